@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 
 use crate::config::{Choice, QualityChoice};
 use crate::gpu::edge_samples::EdgeSamples;
-use crate::session::scene::edits;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Level {
@@ -119,8 +118,6 @@ pub(crate) struct DynamicResolution {
     /// Times and costs in seconds of the last frames at this level.
     frames: VecDeque<(Instant, f64)>,
     settling: usize,
-    /// True if fewer samples are taken because the scene is being edited.
-    edited: bool,
     /// True until the first valid cost, which alone chooses the level.
     begins: bool,
     /// True once the driver has had no memory for a frame.
@@ -169,19 +166,7 @@ impl DynamicResolution {
     }
 
     pub(crate) fn level(&self) -> Level {
-        let level = level_at(self.level);
-        if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
-    }
-
-    /// Sets whether frames use fewer samples because the scene is `edited`. Only automatic quality reduces samples.
-    pub(crate) fn set_edited(&mut self, edited: bool) {
-        if self.choice == QualityChoice::Auto && self.edited != edited {
-            self.edited = edited;
-            // Costs that were measured with another number of samples cannot be compared.
-            self.gave_way = None;
-            self.frames.clear();
-            self.settling = SETTLING;
-        }
+        level_at(self.level)
     }
 
     /// The level of an idle show, which has time for the best level.
@@ -311,8 +296,7 @@ impl DynamicResolution {
     }
 
     fn come_back(&mut self, now: Instant) {
-        // Do not raise the level during edits: it might fit only because frames use fewer samples.
-        let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
+        let Some(better) = self.level.checked_sub(1) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
         // Add `LOOK`, because the stored frames span slightly less time than the patience.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);

@@ -202,32 +202,6 @@ fn short_sides_are_not_reduced() {
 }
 
 #[test]
-fn an_edited_scene_saves_samples_and_recovers_when_the_text_rests() {
-    let mut window = Window::new();
-    // The cost depends on samples. It is too high at the best level, even with fewer samples.
-    let cost = |_, level: Level| 0.02 * level.scale.powi(2) * (1.0 + level.edges.count() as f64 / 4.0);
-    window.dynamic_resolution.set_edited(true);
-    assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Two);
-    window.show(1.0, cost);
-    let edited = window.dynamic_resolution.level;
-    assert!(edited > 0, "slow frames still reduce the level");
-    // There is time left, but it is needed for the samples that are restored after the edit.
-    window.show(30.0, |_, _| 0.001);
-    assert_eq!(window.dynamic_resolution.level, edited);
-    window.dynamic_resolution.set_edited(false);
-    window.show(30.0, |_, _| 0.001);
-    assert_eq!(window.dynamic_resolution.level, 0);
-    assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Four);
-
-    let mut chosen = DynamicResolution::new(QualityChoice::Best, FPS);
-    chosen.set_edited(true);
-    assert_eq!(chosen.level().edges, EdgeSamples::Four, "a fixed quality does not change");
-    let mut window = DynamicResolution::new(QualityChoice::Auto, FPS);
-    window.set_edited(true);
-    assert_eq!(window.still_level().edges, EdgeSamples::Sixteen, "an idle show gets all samples");
-}
-
-#[test]
 fn a_lack_of_memory_shrinks_stills_too() {
     let mut controller = DynamicResolution::beginning_small(QualityChoice::Auto, FPS);
     assert_eq!(controller.still_level().scale, 1.0);

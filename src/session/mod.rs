@@ -306,11 +306,6 @@ impl Session {
         self.screen.update().into_iter().for_each(|sentence| self.playback.reports.announce(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();
-        let edited = self.playback.scene.saves_samples(now);
-        // After an edit, finish the frame in progress before restoring its samples.
-        if edited || !self.playback.scene.composer.is_drawing() {
-            self.playback.pace.resolution.set_edited(edited);
-        }
         if let Some(until) = self.playback.scene.awaits_edit(now)
             && self
                 .interface

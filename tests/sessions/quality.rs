@@ -85,43 +85,6 @@ fn a_slow_scene_is_drawn_with_fewer_pixels_except_with_best() {
 }
 
 #[test]
-fn interpreted_edits_use_fewer_samples_until_the_text_rests() {
-    apart!();
-    let ball = |radius: f64| {
-        format!(
-            "object ball {{ shape = sphere(p - vec3(sin(t), 0, 0), {radius}) }}\n\
-             light sun {{ direction = vec3(1, -2, 1) }}\n\
-             camera {{ position = vec3(0, 1, -7)  target = vec3(0) }}"
-        )
-    };
-    let (fewer, all) = ("2 further samples at edges", "4 further samples at edges");
-    for (mode, saves) in [("interpreted", true), ("compiled", false)] {
-        let place = Place::new(&ball(1.0), 60);
-        // At this size and rate no frame is late, even beside busy programs: late frames have fewer samples too.
-        let app = place.open("64x36", &["--sdf", mode, "--fps-cap", "5"]);
-        app.wait_until_reported(all);
-        let count = || app.reported().matches(fewer).count();
-        let before = count();
-        std::fs::write(&place.scene, ball(1.5)).unwrap();
-        let shown = format!("is shown, {mode}");
-        app.wait_until("the edit", |app| app.reported().matches(&shown).count() == 2);
-        if saves {
-            app.wait_until("fewer samples", |_| count() > before);
-            app.wait_until("all samples", |app| {
-                let reported = app.reported();
-                reported.rfind(fewer) < reported.rfind(all)
-            });
-        } else {
-            for _ in 0..PICTURES {
-                let picture = app.picture();
-                app.wait_until("another picture", |app| app.picture() != picture);
-            }
-            assert_eq!(count(), before, "{}", app.reported());
-        }
-    }
-}
-
-#[test]
 fn fewer_pixels_show_the_same_image() {
     apart!();
     let place = Place::new(SMOOTH, 60);

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use image::RgbaImage;
 
@@ -99,8 +99,6 @@ pub(crate) struct SceneComposer {
     pub(super) change: SceneChange,
     pub(crate) views: Views,
     pub(super) camera: SceneCamera,
-    /// When a changed text of the shown scene was shown; `None` before the first change.
-    pub(super) edited: Option<Instant>,
     feedback: FeedbackPace,
     /// The pointer over the picture: fractions of the width from the left and of the height from below, and true while
     /// its button is held.
@@ -129,7 +127,6 @@ impl SceneComposer {
             change: SceneChange::default(),
             views: Views::starting_with(view),
             camera: SceneCamera::default(),
-            edited: None,
             feedback: FeedbackPace::default(),
             pointer: ([0.5; 2], false),
             revision: 0,

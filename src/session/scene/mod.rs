@@ -19,7 +19,6 @@ mod camera;
 mod composer;
 mod context_change;
 pub(crate) mod decks;
-pub(crate) mod edits;
 mod fading;
 mod feedback;
 mod kept;

@@ -6,7 +6,6 @@ use super::ahead::PreparedAhead;
 use super::composer::{Drawn, Ingredients, SceneComposer, WantedPicture};
 use super::context_change::{DrawingWays, KeptScenes, SceneLoaders, TakenOver};
 use super::decks::Decks;
-use super::edits::save_samples;
 use super::library::SceneLibrary;
 use super::messages::Messages;
 use super::on_decks::DeckChanges;
@@ -230,13 +229,8 @@ impl SceneSession {
 
     fn show_coming(&mut self) {
         let replaced = std::mem::replace(&mut self.scenes.shown, self.scenes.coming.take());
-        let Some(shown) = &mut self.scenes.shown else { return };
+        let Some(shown) = &self.scenes.shown else { return };
         let is_another = replaced.as_ref().is_some_and(|replaced| replaced.title() != shown.title());
-        if replaced.as_ref().map(|replaced| &replaced.source) != Some(&shown.source) {
-            self.composer.edited = None;
-        } else if !shown.settles {
-            self.composer.edited = Some(clock::now());
-        }
         if let Some(left) = replaced.as_ref().filter(|_| is_another) {
             let (took, orbit) = (self.composer.pictures.took(), self.composer.camera.orbit);
             self.composer.change.save_outgoing(left, took, orbit, &self.show, &self.parameters);
@@ -513,10 +507,6 @@ impl SceneSession {
     /// progress must be finished.
     pub(crate) fn awaits_edit(&self, now: Instant) -> Option<Instant> {
         self.preparation.library.edit.until(now).filter(|_| !self.composer.must_finish())
-    }
-
-    pub(crate) fn saves_samples(&self, now: Instant) -> bool {
-        save_samples(self.mode(), self.composer.edited, now)
     }
 
     pub(crate) fn record_frame_time(&mut self, time: Duration) {
