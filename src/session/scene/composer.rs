@@ -14,7 +14,7 @@ use super::parameters::Parameters;
 use super::prepared_scene::{DrawingChoice, FirstTree, PreparedScene};
 use super::prepared_scenes::{Place, PreparedScenes};
 use super::regions::{DrawOptions, SceneRegions, Shown};
-use super::scene_change::SceneChange;
+use super::scene_change::{Begun, SceneChange};
 use super::scenery::{SeenPictures, scenery_of};
 use super::show_follower::{Outgoing, ShowFollower};
 use super::views::Views;
@@ -162,7 +162,7 @@ impl SceneComposer {
             match (progress, below) {
                 (Progress::Finished { spent }, Some(_)) => {
                     renderer.keep_light()?;
-                    self.change.record_light(spent);
+                    self.change.begun.iter_mut().for_each(|begun| begun.lit = Some(spent));
                     self.making = None;
                 }
                 (Progress::Finished { spent }, None) => {
@@ -216,11 +216,11 @@ impl SceneComposer {
         let (wanted, sound) = self.change.resume(wanted, picture.sound.clone());
         let time = wanted.moment.song_time;
         let outgoing = self.outgoing(of, &wanted.moment);
-        let lit = self.change.lit().filter(|_| outgoing.is_some());
+        let lit = self.change.begun.as_ref().and_then(|begun| begun.lit).filter(|_| outgoing.is_some());
         // The outgoing scene is drawn first.
         let below = outgoing.as_ref().filter(|_| lit.is_none());
         if below.is_some() {
-            self.change.begin(wanted, sound.clone());
+            self.change.begun = Some(Begun { shown: wanted, sound: sound.clone(), lit: None });
             self.fading.announce();
         }
         let scene = of.scenes.at(below.map_or(Place::Shown, |below| below.place));
@@ -357,8 +357,9 @@ impl SceneComposer {
             return None;
         }
         if self.fading.goes_on() {
-            let (left, fraction) = self.change.left().zip(self.fading.fraction_of_scene(moment))?;
-            return Some(Outgoing { place: of.scenes.place_of(left, of.choice.sdf)?, clip: None, fraction });
+            let (left, fraction) = self.change.left.as_ref().zip(self.fading.fraction_of_scene(moment))?;
+            let place = of.scenes.place_of(&left.source, of.choice.sdf)?;
+            return Some(Outgoing { place, clip: None, fraction });
         }
         of.show.outgoing(moment.song_time, of.scenes, of.choice.sdf)
     }

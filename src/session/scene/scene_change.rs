@@ -26,12 +26,13 @@ const LIVE_MAX: Duration = Duration::from_millis(100);
 pub(super) struct SceneChange {
     /// The frame in progress, whose outgoing scene is drawn first.
     pub(super) begun: Option<Begun>,
-    left: Option<LeftScene>,
+    /// The scene that the user left, if the scene keeps moving while it fades out.
+    pub(super) left: Option<LeftScene>,
     orbit: OrbitControls,
 }
 
-struct LeftScene {
-    source: SceneSource,
+pub(super) struct LeftScene {
+    pub source: SceneSource,
     clip: Option<Clip>,
     numbers: Vec<f32>,
     /// Indices and names of the parameters that the show still moves.
@@ -39,10 +40,10 @@ struct LeftScene {
 }
 
 pub(super) struct Begun {
-    shown: Shown,
-    sound: Sound,
+    pub shown: Shown,
+    pub sound: Sound,
     /// Drawing time of the outgoing scene; `None` until the scene is drawn.
-    lit: Option<Duration>,
+    pub lit: Option<Duration>,
 }
 
 impl SceneChange {
@@ -56,25 +57,6 @@ impl SceneChange {
                 (wanted, sound)
             }
         }
-    }
-
-    pub(super) fn lit(&self) -> Option<Duration> {
-        self.begun.as_ref().and_then(|begun| begun.lit)
-    }
-
-    pub(super) fn begin(&mut self, shown: Shown, sound: Sound) {
-        self.begun = Some(Begun { shown, sound, lit: None });
-    }
-
-    pub(super) fn record_light(&mut self, spent: Duration) {
-        if let Some(begun) = &mut self.begun {
-            begun.lit = Some(spent);
-        }
-    }
-
-    /// The scene that the user left, if the scene keeps moving while it fades out.
-    pub(super) fn left(&self) -> Option<&SceneSource> {
-        self.left.as_ref().map(|left| &left.source)
     }
 
     /// Saves the state of the outgoing scene. `took` is the time of its last frame, `orbit` its camera motion.

@@ -318,15 +318,11 @@ impl ShowFollower {
         if self.course.overruled == Some(self.moment(time)?.index) {
             return None;
         }
-        let [leaving, entering] = self.layers(time, |_| false)?.try_into().ok()?;
+        let layers = self.course.prepared_show.as_deref()?.layers(self.moment(time)?, time, |_| false)?;
+        let [leaving, entering]: [Layer<'_>; 2] = layers.try_into().ok()?;
         let fraction = entering.below.filter(|_| scenes.shown_source() == Some(&entering.source))?;
         let place = scenes.place_of(&leaving.source, sdf)?;
         Some(Outgoing { place, clip: Some(leaving.clip.clone()), fraction })
-    }
-
-    /// The layers of the show at `time` seconds of the song, without frozen frames.
-    fn layers(&self, time: f64, can_blend: impl Fn(&SceneSource) -> bool) -> Option<Vec<Layer<'_>>> {
-        self.course.prepared_show.as_deref()?.layers(self.moment(time)?, time, can_blend)
     }
 
     /// The clips of a scene at `time` seconds of the song.
@@ -374,30 +370,26 @@ fn upcoming(
     cue: Option<&SceneSource>,
 ) -> [Option<SceneSource>; 2] {
     let clips = prepared_show.clips();
-    let mut found: Vec<SceneSource> = Vec::new();
-    let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
-        let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
-        found.extend(source.filter(is_new));
-    };
+    let pairs = || clips.iter().zip(clips.iter().skip(1));
     let source_of = |clip: &Clip| prepared_show.source(&clip.scene).cloned();
-    add(&mut found, clips.get(index).and_then(source_of));
-    if let Some([from, to]) = index.checked_sub(1).and_then(|before| clips.get(before..=index))
-        && to.transition.by_fader
-    {
-        // The fader may move back.
-        add(&mut found, prepared_show.blend(from, to));
-        add(&mut found, source_of(from));
-    }
-    for pair in clips.get(index..).unwrap_or_default().windows(2) {
-        let [from, to] = pair else { break };
-        if found.len() >= 2 {
+    let present = clips.get(index).and_then(source_of);
+    // The fader may move back.
+    let before = index.checked_sub(1).and_then(|before| pairs().nth(before));
+    let before = before.into_iter().filter(|(_, to)| to.transition.by_fader);
+    let back = before.flat_map(|(from, to)| [prepared_show.blend(from, to), source_of(from)]);
+    let later = pairs().skip(index).flat_map(|(from, to)| {
+        let is_mixed = to.transition.seconds > 0.0 || to.transition.by_fader;
+        [prepared_show.blend(from, to).filter(|_| is_mixed), source_of(to)]
+    });
+    let mut found: Vec<SceneSource> = Vec::new();
+    for source in std::iter::once(present).chain(back).chain(later).flatten() {
+        if found.len() == 2 {
             break;
         }
-        let is_mixed = to.transition.seconds > 0.0 || to.transition.by_fader;
-        add(&mut found, prepared_show.blend(from, to).filter(|_| is_mixed));
-        add(&mut found, source_of(to));
+        if source != *wanted && !found.contains(&source) {
+            found.push(source);
+        }
     }
-    found.truncate(2);
     if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
         // The key for the cue may be pressed before any other scene is due.
         found.insert(0, cue.clone());
