@@ -97,9 +97,8 @@ pub(crate) struct Session {
     playback: Playback,
     interface: Interface,
     choices: Choices,
-    /// True if the command line names the audio output of songs.
+    /// True if the command line names the audio output of songs, or silence, and the user has not chosen another.
     names_output: bool,
-    chose_output: bool,
     /// When the window appeared.
     waits_since: Instant,
     /// When text was last shown while no frame of a scene was ready, and the size of the window then.
@@ -230,7 +229,7 @@ impl Session {
             return Ok(false);
         }
         let Some(status) = self.playback.listening.song_status() else { return Ok(false) };
-        let silence_asked = settings.silent && !self.chose_output;
+        let silence_asked = settings.silent && self.names_output;
         self.playback.reports.report_silence(&status, silence_asked);
         if let (true, true, 1, Some(error)) =
             (status.ended, settings.once, status.track.count, &status.track_errors.last)

@@ -150,7 +150,6 @@ impl Opening {
             interface,
             choices,
             names_output: settings.device.is_some() || settings.silent,
-            chose_output: false,
             waits_since,
             waited: None,
             legacy: Default::default(),

@@ -19,7 +19,7 @@ impl Session {
         match &setting {
             Setting::Output(id) => {
                 self.playback.listening.sound.choose_output(id.clone());
-                (self.names_output, self.chose_output) = (false, true);
+                self.names_output = false;
             }
             Setting::Quality(quality) => {
                 self.playback.pace.resolution = self.playback.pace.resolution.chosen_anew(*quality)

@@ -25,7 +25,8 @@ impl Snapshots {
     /// Recalls a snapshot. Takes it the first time, and when the user wants the next snapshot to be taken.
     pub(super) fn press(&mut self, playback: &mut Playback, number: usize) {
         let takes = std::mem::take(&mut self.keys.takes);
-        match playback.snapshot(number).filter(|_| !takes) {
+        let known = playback.snapshots().and_then(|known| known.get(&number.to_string())).cloned();
+        match known.filter(|_| !takes) {
             Some(snapshot) => {
                 let SnapshotKeys { morphs, beats, .. } = self.keys;
                 let seconds = if morphs { f32::from(beats) * playback.beat_seconds() } else { 0.0 };
@@ -103,12 +104,9 @@ impl Snapshots {
 
     /// Reports a written show file. Returns the row of snapshots below the sliders.
     pub(super) fn update(&self, playback: &mut Playback) -> SnapshotRow {
-        let mut taken = [false; SNAPSHOTS];
-        for number in playback.snapshot_numbers() {
-            if let Some(taken) = number.checked_sub(1).and_then(|place| taken.get_mut(place)) {
-                *taken = true;
-            }
-        }
+        let known = playback.snapshots();
+        let is_known = |number: usize| known.is_some_and(|known| known.contains_key(&number.to_string()));
+        let taken = std::array::from_fn(|place| is_known(place + 1));
         self.report_written(playback);
         SnapshotRow { taken, keys: self.keys }
     }
@@ -122,16 +120,9 @@ impl Playback {
         }
     }
 
-    /// The numbers of the shown scene's snapshots, from 1.
-    pub(super) fn snapshot_numbers(&self) -> impl Iterator<Item = usize> {
-        let title = self.scene.parameters_in_hand().title().unwrap_or_default();
-        let saved = self.listening.sound.kept.settings().snapshots.get(&title);
-        saved.into_iter().flat_map(BTreeMap::keys).filter_map(|number| number.parse().ok())
-    }
-
-    fn snapshot(&self, number: usize) -> Option<Snapshot> {
-        let title = self.scene.parameters_in_hand().title()?;
-        self.listening.sound.kept.settings().snapshots.get(&title)?.get(&number.to_string()).cloned()
+    /// The snapshots of the scene in hand, by their numbers from 1.
+    fn snapshots(&self) -> Option<&BTreeMap<String, Snapshot>> {
+        self.listening.sound.kept.settings().snapshots.get(&self.scene.parameters_in_hand().title()?)
     }
 
     fn save_snapshot(&mut self, number: usize) {

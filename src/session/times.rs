@@ -1,24 +1,23 @@
 //! The last times of frames or of keys, for the log.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 const KEPT: usize = 4096;
 
 #[derive(Debug, Default)]
 pub(crate) struct Times {
-    /// The last times in milliseconds; a ring buffer once the list is full.
-    last: Vec<f32>,
+    /// The last times in milliseconds.
+    last: VecDeque<f32>,
     count: usize,
 }
 
 impl Times {
     pub(crate) fn record(&mut self, time: Duration) {
-        let milliseconds = time.as_secs_f32() * 1000.0;
-        let at = self.count % KEPT;
-        match self.last.get_mut(at) {
-            Some(oldest) => *oldest = milliseconds,
-            None => self.last.push(milliseconds),
+        if self.last.len() == KEPT {
+            self.last.pop_front();
         }
+        self.last.push_back(time.as_secs_f32() * 1000.0);
         self.count += 1;
     }
 }
@@ -26,7 +25,7 @@ impl Times {
 impl std::fmt::Display for Times {
     /// Writes the number of times, and then the median, the 99th percentile and the maximum of the last times.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut sorted = self.last.clone();
+        let mut sorted = Vec::from(self.last.clone());
         sorted.sort_by(f32::total_cmp);
         let (Some(median), Some(longest)) = (sorted.get(sorted.len() / 2), sorted.last()) else {
             return f.write_str("none");

@@ -27,7 +27,7 @@ use crate::gpu::{CellUse, Gl, GpuError, Mode, PictureReader, Renderer, Sketch, S
 use crate::moving_textures::LiveTextures;
 use crate::scenes::SceneSource;
 use crate::song_shapes::LiveSongShapes;
-use crate::ui::overlay::{DeckStrip, OverlayContent, PanelSwitches};
+use crate::ui::overlay::{OverlayContent, PanelSwitches};
 use crate::view::ViewChoice;
 use mariana_control::{Model, ParamChange};
 use mariana_music::Sound;
@@ -127,13 +127,6 @@ impl SceneSession {
     /// The decks and the time of their clock, in seconds; `None` while there is one scene.
     pub(crate) fn decks(&self) -> Option<(&Decks, f64)> {
         Some((self.decks.as_ref()?, self.parameters.clock()))
-    }
-
-    /// The content of the strip of decks; `None` while there is one scene.
-    pub(crate) fn deck_strip(&self) -> Option<DeckStrip> {
-        let decks = self.decks.as_ref()?;
-        let is_ready = |source: &SceneSource| self.scenes.has_ready(source, self.preparation.choice.sdf);
-        Some(decks.strip(self.parameters.clock(), is_ready))
     }
 
     pub(crate) fn deck_changes(&mut self) -> DeckChanges<'_> {
@@ -563,6 +556,8 @@ impl SceneSession {
     ) -> OverlayContent<'a> {
         let sliders = self.parameters_in_hand().sliders();
         let params = Some(sliders).filter(|sliders| panels.sliders && !sliders.is_empty());
-        OverlayContent { corner, params, decks: self.deck_strip(), ..self.messages.content() }
+        let is_ready = |source: &SceneSource| self.scenes.has_ready(source, self.preparation.choice.sdf);
+        let decks = self.decks().map(|(decks, now)| decks.strip(now, is_ready));
+        OverlayContent { corner, params, decks, ..self.messages.content() }
     }
 }
