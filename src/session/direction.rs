@@ -128,34 +128,29 @@ impl Direction {
             self.seen.push(current.clone());
         }
         let wanted = self.source(playing).map(|source| (source, track));
-        let is_the_same = self.of == wanted;
-        match wanted {
-            None if is_the_same => return None,
-            None => {
+        if self.of != wanted {
+            let Some((source, track)) = wanted else {
                 self.of = None;
                 return Some(Ok(None));
-            }
-            Some((source, track)) if !is_the_same => {
-                if let Some(song) = song {
-                    // A track whose show is made once more gets the same show.
-                    if self.before.0 != track {
-                        self.before = (track, self.seen.iter().map(name_of).collect());
-                    }
-                    let (recent, scenes) = (self.before.1.clone(), scenes());
-                    // The loader watches the file of a show.
-                    let watched = match &source {
-                        ShowSource::File(path) => SceneSource::File(path.clone()),
-                        ShowSource::Demo | ShowSource::Auto => SceneSource::Formula(String::new()),
-                    };
-                    *lock(&self.asked) = Asked { source: source.clone(), track, song, scenes, recent };
-                    self.of = Some((source, track));
-                    self.loader.request(watched);
-                } else if self.of.take().is_some() {
-                    // End the previous track's show. The current scene stays until the new track is analysed.
-                    return Some(Ok(None));
+            };
+            if let Some(song) = song {
+                // A track whose show is made once more gets the same show.
+                if self.before.0 != track {
+                    self.before = (track, self.seen.iter().map(name_of).collect());
                 }
+                let (recent, scenes) = (self.before.1.clone(), scenes());
+                // The loader watches the file of a show.
+                let watched = match &source {
+                    ShowSource::File(path) => SceneSource::File(path.clone()),
+                    ShowSource::Demo | ShowSource::Auto => SceneSource::Formula(String::new()),
+                };
+                *lock(&self.asked) = Asked { source: source.clone(), track, song, scenes, recent };
+                self.of = Some((source, track));
+                self.loader.request(watched);
+            } else if self.of.take().is_some() {
+                // End the previous track's show. The current scene stays until the new track is analysed.
+                return Some(Ok(None));
             }
-            Some(_) => {}
         }
         let made = self.loader.poll()?.value;
         if self.of.as_ref().is_none_or(|(_, track)| *track != made.track) {

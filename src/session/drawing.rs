@@ -202,24 +202,16 @@ impl Playback {
             return Ok(None);
         }
         // Curves and the last seconds cost more than all other inputs, so they are computed only for scenes that read them.
-        let hears_curves = self.scene.scenes.read_curves();
         let Shown { moment, size, .. } = wanted;
-        let curves = if hears_curves {
-            self.listening.sound.heard_at(moment.song_time).tables
-        } else {
-            Default::default()
-        };
+        let curves = self.scene.scenes.read_curves().then(|| self.listening.sound.heard_at(moment.song_time));
         let remembers = self.scene.scenes.remember();
+        let recent = remembers.then(|| self.listening.recent(&moment, moment.song_time));
         let sound = mariana_music::Sound {
             features: moment.features,
-            tables: curves,
+            tables: curves.map(|heard| heard.tables).unwrap_or_default(),
             song: moment.song,
             parts: self.listening.parts(moment),
-            recent: if remembers {
-                self.listening.recent(&moment, moment.song_time)
-            } else {
-                Default::default()
-            },
+            recent: recent.unwrap_or_default(),
         };
         let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
         let Level { quality, edges, .. } = level;

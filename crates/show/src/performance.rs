@@ -143,10 +143,6 @@ impl Performance {
         }
         let last = self.scenes.last().filter(|played| played.is_of(seen));
         if last.is_none_or(Played::is_long) {
-            if self.scenes.len() >= limits::ENTRIES_MAX {
-                self.is_full = true;
-                return;
-            }
             // An entry starts after the previous entry.
             let earliest = self.scenes.last().map_or(0.0, |before| before.start);
             let (start, transition) = match last {
@@ -155,18 +151,9 @@ impl Performance {
                 None => (seen.start.min(time).max(earliest), seen.transition),
             };
             let is_first = self.scenes.is_empty();
-            let (scene, camera) = (seen.scene.to_owned(), seen.camera.map(str::to_owned));
-            let (begun, lines) = (seen.start, BTreeMap::new());
-            self.scenes.push(Played {
-                scene,
-                camera,
-                transition,
-                begun,
-                start,
-                is_close: is_close(start),
-                moves: seen.moves.to_vec(),
-                lines,
-            });
+            if !self.begin(seen, start, transition, is_close(start)) {
+                return;
+            }
             if is_first {
                 self.begin_finish(&seen.picture);
             }
@@ -182,6 +169,18 @@ impl Performance {
         });
         let params = seen.params.iter().copied();
         self.is_full |= played.record(time, before, params.chain(turns).chain(fader));
+    }
+
+    /// Begins an entry at `start` seconds. Returns false if the recording has the maximum number of entries.
+    fn begin(&mut self, seen: &OnStage<'_>, start: f64, transition: TimedTransition, is_close: bool) -> bool {
+        if self.scenes.len() >= limits::ENTRIES_MAX {
+            self.is_full = true;
+            return false;
+        }
+        let (scene, camera) = (seen.scene.to_owned(), seen.camera.map(str::to_owned));
+        let (begun, moves, lines) = (seen.start, seen.moves.to_vec(), BTreeMap::new());
+        self.scenes.push(Played { scene, camera, transition, begun, start, is_close, moves, lines });
+        true
     }
 
     /// Records the scene of the other deck, in an entry before the entry of the scene to which the fader leads.
@@ -200,21 +199,10 @@ impl Performance {
         if !is_in_pair {
             let is_shown =
                 |last: &Played| last.scene == other.scene && last.camera.is_none() && !last.is_long();
-            if !self.scenes.last().is_some_and(is_shown) {
-                if self.scenes.len() >= limits::ENTRIES_MAX {
-                    self.is_full = true;
-                    return;
-                }
-                self.scenes.push(Played {
-                    scene: other.scene.clone(),
-                    camera: None,
-                    transition: TimedTransition::CUT,
-                    begun: time,
-                    start: time,
-                    is_close,
-                    moves: Vec::new(),
-                    lines: BTreeMap::new(),
-                });
+            let from = OnStage { scene: &other.scene, camera: None, start: time, moves: &[], ..seen.clone() };
+            let is_there = self.scenes.last().is_some_and(is_shown);
+            if !is_there && !self.begin(&from, time, TimedTransition::CUT, is_close) {
+                return;
             }
         }
         let from = if is_in_pair { self.scenes.iter_mut().nth_back(1) } else { self.scenes.last_mut() };
