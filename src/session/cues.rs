@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scenes::SceneSource;
 use crate::session::direction::OfTrack;
-use crate::show::{Cue, PreparedShow};
+use crate::show::{Anchor, Entry, PreparedShow, moment};
 use crate::ui::overlay::CueRow;
 use mariana_music::SongStructure;
 use mariana_player::Moment;
@@ -50,8 +50,13 @@ impl Cues {
     }
 
     fn update_rows(&mut self) {
-        let rows = self.show.as_ref().map(|(show, song)| show.cue_rows(song, &self.pressed));
-        self.rows = Arc::new(rows.into_iter().flatten().map(row_of).collect());
+        let row = |(entry, start): (&Entry, Option<f64>)| {
+            let camera = entry.camera.as_ref().map(|camera| format!(", {camera}")).unwrap_or_default();
+            let (waits, scene) = (entry.when.anchor == Anchor::Cue, entry.scene.clone() + &camera);
+            CueRow { moment: moment(entry), start, waits, scene }
+        };
+        let entries = self.show.iter().flat_map(|(show, song)| show.entries(song, &self.pressed));
+        self.rows = Arc::new(entries.map(row).collect());
     }
 
     /// Forgets the key presses after this moment if the song was sought or began again. Returns the show without them.
@@ -134,12 +139,6 @@ impl Cues {
         let (show, _) = self.show.as_ref()?;
         show.source(show.cues().get(self.pressed.len())?).cloned()
     }
-}
-
-fn row_of(cue: Cue) -> CueRow {
-    let Cue { moment, start, waits, scene, camera } = cue;
-    let scene = camera.map_or(scene.clone(), |camera| format!("{scene}, {camera}"));
-    CueRow { moment, start, waits, scene }
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! A show: a cue list, facts about its scenes, and the timeline for one song.
 
-use super::cue_list::{Anchor, CueList, Entry};
+use super::cue_list::{CueList, Entry};
 use super::director::{direct, for_shows};
 use super::parse::{DIAGNOSTICS_MAX, parse};
 use super::resolve::{entry_starts, resolve};
 use super::scene_card::{NamedScenes, Refusal, SceneCard};
 use super::substitutes::with_substitutes;
-use super::text::{moment, print};
+use super::text::print;
 use super::timeline::{Clip, Timeline};
 use mariana_field::lang::{Diagnostic, render_all};
 use mariana_music::SongStructure;
@@ -38,21 +38,6 @@ pub struct Show {
     timeline: Option<Timeline>,
     cue_list: CueList,
     cards: Vec<SceneCard>,
-}
-
-/// An entry of a cue list, for display.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cue {
-    /// The moment as a show file has it, such as `section B + 2 bars`.
-    pub moment: String,
-    /// The start in seconds of the song; `None` while the entry waits, or if the song lacks its moment.
-    pub start: Option<f64>,
-    /// True if the entry waits for a press of the cue key.
-    pub waits: bool,
-    /// Name of the scene.
-    pub scene: String,
-    /// Name of the camera, if any.
-    pub camera: Option<String>,
 }
 
 impl Show {
@@ -125,17 +110,10 @@ impl Show {
         self.timeline().map_or(&[], Timeline::clips)
     }
 
-    /// Returns all entries, with the cue key pressed at the times `cues`, in seconds.
-    pub fn cue_rows(&self, song: &SongStructure, cues: &[f64]) -> Vec<Cue> {
-        let starts = entry_starts(&self.cue_list, song, cues);
-        let row = |(entry, start): (&Entry, Option<f64>)| Cue {
-            moment: moment(entry),
-            start,
-            waits: entry.when.anchor == Anchor::Cue,
-            scene: entry.scene.clone(),
-            camera: entry.camera.clone(),
-        };
-        self.cue_list.entries.iter().zip(starts).map(row).collect()
+    /// Returns all entries with their starts in seconds of the song, with the cue key pressed at the times `cues`. An
+    /// entry has no start while it waits, or if the song lacks its moment.
+    pub fn entries(&self, song: &SongStructure, cues: &[f64]) -> impl Iterator<Item = (&Entry, Option<f64>)> {
+        self.cue_list.entries.iter().zip(entry_starts(&self.cue_list, song, cues))
     }
 
     /// Returns the scenes that wait for the cue key, in the order of the text.

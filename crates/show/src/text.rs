@@ -49,7 +49,7 @@ pub fn print(cue_list: &CueList, comments: &[String]) -> String {
 }
 
 /// Returns the moment of an entry as a show file has it, such as `section B + 2 bars`.
-pub(super) fn moment(entry: &Entry) -> String {
+pub fn moment(entry: &Entry) -> String {
     let numbered = |what: &str, number: u32| format!("{what} {number}");
     let anchor = match &entry.when.anchor {
         Anchor::Start => "start".to_owned(),

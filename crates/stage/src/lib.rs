@@ -5,8 +5,9 @@ mod prepared_show;
 mod recipe;
 
 pub use mariana_show::{
-    BarLines, Clip, Cue, Finish, Hearing, Held, LiveDirector, Moment, Move, OnStage, OtherDeck, Performance,
-    SceneCard, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, print, snapshot_cues,
+    Anchor, BarLines, Clip, Entry, Finish, Hearing, Held, LiveDirector, Moment, Move, OnStage, OtherDeck,
+    Performance, SceneCard, ShownPicture, TimedTransition, Timeline, TransitionKind, Turned, moment, print,
+    snapshot_cues,
 };
 pub use prepared_show::{PreparedShow, ShowError, ShowSource, card_of, name_of, source_of};
 pub use recipe::{Layer, Recipe};
