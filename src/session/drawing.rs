@@ -95,14 +95,9 @@ impl Session {
         }
         self.interface.update_scene(&mut self.playback);
         let seen = self.interface.update_ui_state(&mut self.playback, &mut *self.screen, begun);
-        let mut content = self.interface.ui_state.content(
-            &seen,
-            &self.playback.scene,
-            &self.playback.controllers,
-            &self.playback.listening,
-            &self.playback.reports,
-            begun,
-        );
+        let Playback { ref scene, ref controllers, ref listening, ref reports, .. } = self.playback;
+        let mut content =
+            self.interface.ui_state.content(&seen, scene, controllers, listening, reports, begun);
         content.next =
             self.playback.preview.next.as_ref().filter(|_| !self.interface.ui_state.hidden.is_bare());
         content.ray = self.interface.probing.ray_view();
@@ -133,12 +128,8 @@ impl Session {
         // The cost of a refinement does not tell the cost of a frame.
         let is_refined = self.playback.pace.shown == Some(shown);
         let first = self.playback.pace.show(shown);
-        self.interface.typing_times.record_shown(
-            self.playback.scene.scenes.shown_id(),
-            new.is_some(),
-            laid_out,
-            clock::now(),
-        );
+        let id = self.playback.scene.scenes.shown_id();
+        self.interface.typing_times.record_shown(id, new.is_some(), laid_out, clock::now());
         if let Some(Drawn { spent, .. }) = new.filter(|_| !is_refined) {
             let showing = spent + clock::since(handing_over);
             let cost = self.playback.cost(&mut *self.screen, spent + painting, showing);
@@ -376,15 +367,9 @@ impl Interface {
         now: Instant,
     ) -> Option<Instant> {
         let seen = self.update_ui_state(playback, screen, now);
-        let mut content = self.ui_state.content(
-            &seen,
-            &playback.scene,
-            &playback.controllers,
-            &playback.listening,
-            &playback.reports,
-            now,
-        );
-        content.next = playback.preview.next.as_ref().filter(|_| !self.ui_state.hidden.is_bare());
+        let Playback { scene, controllers, listening, reports, preview, .. } = playback;
+        let mut content = self.ui_state.content(&seen, scene, controllers, listening, reports, now);
+        content.next = preview.next.as_ref().filter(|_| !self.ui_state.hidden.is_bare());
         content.ray = self.probing.ray_view();
         let due = self.overlay.due(&content, now);
         // The bar disappears when the pointer has not moved for a while.

@@ -18,11 +18,8 @@ impl Session {
 
     pub(super) fn write_text(&mut self, open: bool) {
         if open && self.interface.ui_state.editor.is_none() {
-            match Editor::start(
-                self.interface.drafts.clone(),
-                &self.interface.folders,
-                self.interface.waker.waking(),
-            ) {
+            let Interface { drafts, folders, waker, .. } = &self.interface;
+            match Editor::start(drafts.clone(), folders, waker.waking()) {
                 Ok(editor) => self.interface.ui_state.editor = Some(editor),
                 Err(error) => self.playback.reports.answer(format!("cannot open the editor: {error}")),
             }

@@ -236,11 +236,8 @@ impl Session {
         {
             return Err(SessionError::SongLost(error.clone()));
         }
-        self.playback.reports.report_song(
-            &status,
-            self.playback.listening.started,
-            self.screen.is_fullscreen(),
-        );
+        let started = self.playback.listening.started;
+        self.playback.reports.report_song(&status, started, self.screen.is_fullscreen());
         self.playback.reports.set_title(&mut *self.screen, title(notes, &status, silence_asked));
         Ok(status.ended && settings.once)
     }
@@ -305,22 +302,17 @@ impl Session {
         self.screen.update().into_iter().for_each(|sentence| self.playback.reports.announce(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();
+        let overlay_due = self.interface.overlay_due(&mut self.playback, &mut *self.screen, now);
         if let Some(until) = self.playback.scene.awaits_edit(now)
-            && self
-                .interface
-                .overlay_due(&mut self.playback, &mut *self.screen, now)
-                .is_none_or(|due| due > now)
+            && overlay_due.is_none_or(|due| due > now)
         {
             return Ok(until);
         }
         if self.playback.scene.composer.is_drawing() {
             return Ok(now);
         }
+        let overlay_due = overlay_due.filter(|_| self.screen.shows_words());
         self.playback.scene.rehearse(&mut self.playback.renderer);
-        let overlay_due = self
-            .interface
-            .overlay_due(&mut self.playback, &mut *self.screen, now)
-            .filter(|_| self.screen.shows_words());
         let moment = self.playback.moment();
         self.playback.direct(moment);
         self.playback.follow_recorded_track();

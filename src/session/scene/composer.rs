@@ -420,10 +420,8 @@ impl SceneComposer {
         if self.views.choice.is_some() || of.scenes.fading_out.is_some() {
             return;
         }
-        let built = scene.resources.regions();
-        if built.is_some_and(|built| {
-            self.regions.record_frame_time((scene.id, mode), &built, time, of.choice.cells)
-        }) {
+        let Some(built) = scene.resources.regions() else { return };
+        if self.regions.record_frame_time((scene.id, mode), &built, time, of.choice.cells) {
             self.revision += 1;
         }
     }

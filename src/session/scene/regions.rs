@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use super::prepared_scene::PreparedScene;
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob, longest_wait};
 use crate::faults::{self, Fault};
 use crate::frame::Frame;
@@ -177,13 +178,11 @@ impl SceneRegions {
     }
 
     /// Returns the setting that turns cells off if they are in use now, and on otherwise.
-    pub(super) fn toggle(
-        &mut self,
-        drawn: Option<((u64, Mode), &SceneResources)>,
-        change: CellUse,
-    ) -> CellUse {
+    pub(super) fn toggle(&mut self, drawn: Option<(&PreparedScene, Mode)>, change: CellUse) -> CellUse {
         let used = match drawn {
-            Some((drawn, scene)) if !scene.world().non_lipschitz => self.uses_cells(drawn, scene, change),
+            Some((scene, mode)) if !scene.resources.world().non_lipschitz => {
+                self.uses_cells((scene.id, mode), &scene.resources, change)
+            }
             _ => change != CellUse::Never,
         };
         self.late_for = None;

@@ -447,10 +447,7 @@ impl SceneSession {
     }
 
     pub(crate) fn toggle_regions(&mut self) {
-        let drawn = self
-            .scenes
-            .drawn(self.preparation.choice.sdf)
-            .map(|(scene, mode)| ((scene.id, mode), &scene.resources));
+        let drawn = self.scenes.drawn(self.preparation.choice.sdf);
         let cells = self.composer.regions.toggle(drawn, self.preparation.choice.cells);
         self.preparation.choice.cells = cells;
         let words = if cells == CellUse::Never { "no regions" } else { "regions" };
