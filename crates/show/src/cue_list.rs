@@ -202,6 +202,13 @@ pub struct Setting {
     pub span: Span,
 }
 
+impl Setting {
+    /// A fixed value from the start of the entry, without a position in a text.
+    pub(super) fn new(param: &str, from: f32) -> Self {
+        Self { param: param.to_owned(), from, steps: Vec::new(), after: Length::ZERO, span: Span::default() }
+    }
+}
+
 /// One step of an animation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {

@@ -12,7 +12,6 @@ use super::cue_list::{
 };
 use super::timeline::{Move, TimedTransition};
 use crate::limits;
-use mariana_field::lang::Span;
 
 /// Values are interpolated between moments that are at most this many seconds apart. After a longer gap, they jump.
 const REST: f64 = 0.1;
@@ -361,7 +360,7 @@ impl Line {
             at += over.number();
             Step { to, over }
         });
-        Some(Setting { param: param.to_owned(), from, steps: steps.collect(), after, span: Span::default() })
+        Some(Setting { steps: steps.collect(), after, ..Setting::new(param, from) })
     }
 }
 
@@ -370,11 +369,9 @@ fn setting_of(one: &Move, start: f64) -> Setting {
     let step = Step { to: one.to, over: Length::Seconds(one.seconds) };
     let is_step = one.seconds > 0.0 || one.from.to_bits() != one.to.to_bits();
     Setting {
-        param: one.param.clone(),
-        from: one.from,
         steps: is_step.then_some(step).into_iter().collect(),
         after: Length::Seconds(((one.start - start).max(0.0) * TICKS).round() / TICKS),
-        span: Span::default(),
+        ..Setting::new(&one.param, one.from)
     }
 }
 

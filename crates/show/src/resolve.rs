@@ -34,26 +34,17 @@ pub fn resolve(
                 continue;
             }
         };
-        let transition = entry.transition.unwrap_or_else(|| {
+        let Transition { kind, length, unfinished, by_fader } = entry.transition.unwrap_or_else(|| {
             let style = likes(clips.last().map(|clip| clip.scene.as_str()), &entry.scene);
             style.map_or(USUAL, |style| Transition::new(style, Length::Bars(USUAL_BARS)))
         });
-        let seconds = lasting(transition.length, start, &lines);
+        let seconds = lasting(length, start, &lines);
+        let transition = TimedTransition { kind, seconds, unfinished, by_fader };
         let mut moves: Vec<Move> =
             entry.settings.iter().flat_map(|setting| moves_of(setting, start, &lines)).collect();
         moves.sort_by(|a, b| a.start.total_cmp(&b.start));
-        clips.push(Clip {
-            start,
-            scene: entry.scene.clone(),
-            camera: entry.camera.clone(),
-            transition: TimedTransition {
-                kind: transition.kind,
-                seconds,
-                unfinished: transition.unfinished,
-                by_fader: transition.by_fader,
-            },
-            moves,
-        });
+        let (scene, camera) = (entry.scene.clone(), entry.camera.clone());
+        clips.push(Clip { start, scene, camera, transition, moves });
     }
     (Timeline::new(clips), left_out)
 }

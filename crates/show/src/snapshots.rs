@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::cue_list::{Anchor, CueList, Entry, Length, Setting, Transition, When};
 use crate::limits;
-use mariana_field::lang::Span;
 
 /// Returns a cue list in which each press of the cue key sets the parameters of `scene` to the next snapshot.
 pub fn snapshot_cues<'a>(
@@ -13,13 +12,8 @@ pub fn snapshot_cues<'a>(
 ) -> CueList {
     let when = When { anchor: Anchor::Cue, offset: Length::ZERO };
     let entries = snapshots.into_iter().map(|values| {
-        let settings = values.iter().take(limits::SETTINGS_MAX).map(|(param, value)| Setting {
-            param: param.clone(),
-            from: *value,
-            steps: Vec::new(),
-            after: Length::ZERO,
-            span: Span::default(),
-        });
+        let settings = values.iter().take(limits::SETTINGS_MAX);
+        let settings = settings.map(|(param, value)| Setting::new(param, *value));
         let entry = Entry::new(when.clone(), scene, None, Some(Transition::CUT));
         Entry { settings: settings.collect(), ..entry }
     });

@@ -3,7 +3,6 @@
 use super::Shown;
 use crate::bar_lines::BarLines;
 use crate::cue_list::{CAMERA_TURNS, CueList, Length, Setting, Step};
-use mariana_field::lang::Span;
 use mariana_music::SongStructure;
 
 /// The camera's zoom at the end of a build and at a drop, where it falls back. The camera only comes nearer: in a
@@ -17,11 +16,9 @@ const BARS_MIN: f64 = 2.0;
 /// Adds the movements to the entries of a cue list. `shown` has the scene of each entry.
 pub(super) fn add(song: &SongStructure, lines: &BarLines, shown: &[Shown<'_>], cue_list: &mut CueList) {
     let zoom = |from: f32, steps: Vec<Step>, after: f64| Setting {
-        param: CAMERA_TURNS[2].to_owned(),
-        from,
         steps,
         after: if after > 0.0 { Length::Bars(after) } else { Length::ZERO },
-        span: Span::default(),
+        ..Setting::new(CAMERA_TURNS[2], from)
     };
     for (entry, _) in cue_list.entries.iter_mut().zip(shown).filter(|(_, shown)| shown.is_drop) {
         entry.settings.push(zoom(NEAR, vec![step(1.0, BACK_BARS)], 0.0));
