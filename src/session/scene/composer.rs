@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use image::RgbaImage;
 
+use super::active_clips::ActiveClips;
 use super::camera::SceneCamera;
 use super::context_change::DrawingWays;
 use super::fading::Fading;
@@ -320,7 +321,10 @@ impl SceneComposer {
                 self.change.numbers(scene, below, time, of.parameters),
                 self.change.camera(below, time, self.camera.orbit),
             ),
-            None => (numbers_of(of, scene, time), self.camera_at(of, time)),
+            None => {
+                let clips = of.show.clips(&scene.source, time);
+                (numbers_of(of.parameters, scene, &clips, time), self.camera.at(&clips, time))
+            }
         }
     }
 
@@ -372,11 +376,6 @@ impl SceneComposer {
             of.show.course.last_time.and_then(|time| of.show.outgoing(time, of.scenes, of.choice.sdf));
         outgoing
             .is_some_and(|outgoing| outgoing.fraction > 1.0 - LATE_FRACTION || of.show.course.stands_still)
-    }
-
-    fn camera_at(&self, of: Ingredients<'_>, time: f64) -> OrbitControls {
-        let clips = of.scenes.shown.as_ref().map(|scene| of.show.clips(&scene.source, time));
-        self.camera.at(&clips.unwrap_or_default(), time)
     }
 
     /// Starts a fade from the outgoing to the incoming scene. Cuts during a view, whose colours encode numbers.
@@ -495,9 +494,13 @@ impl SceneComposer {
 
 /// The parameters of a scene at `time` seconds of the song, and the number of its camera. A parameter has the show's
 /// value, unless a controller changed it later.
-fn numbers_of(of: Ingredients<'_>, scene: &PreparedScene, time: f64) -> (Vec<f32>, Option<usize>) {
-    let clips = of.show.clips(&scene.source, time);
-    let mut numbers = of.parameters.numbers(scene, &clips, time);
+fn numbers_of(
+    parameters: &Parameters,
+    scene: &PreparedScene,
+    clips: &ActiveClips<'_>,
+    time: f64,
+) -> (Vec<f32>, Option<usize>) {
+    let mut numbers = parameters.numbers(scene, clips, time);
     if let Some((fraction, number)) = clips.fraction.zip(numbers.last_mut()) {
         *number = fraction;
     }

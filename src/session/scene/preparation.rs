@@ -42,6 +42,7 @@ pub(crate) struct ScenePreparation {
     /// Builds the first trees of new scenes. The build time shows whether a scene is fast enough to be drawn.
     pub(super) trials: RegionBuilder<u64>,
     next_scene: u64,
+    /// The mode for which the user waits.
     pub(crate) asked_mode: Option<Mode>,
     // The last field, because its threads draw with objects of the fields above.
     pub(super) programs: ProgramLibrary,
@@ -480,15 +481,10 @@ impl ScenePreparation {
         wanted
     }
 
-    /// Returns `true`, only once, if the user was waiting for `mode`.
-    pub(super) fn has_come(&mut self, mode: Mode) -> bool {
-        self.asked_mode.take_if(|asked| *asked == mode).is_some()
-    }
-
     /// Reports programs that the driver has been compiling for a long time, each program once.
     pub(super) fn report_slow_programs(&self, scenes: &PreparedScenes, messages: &mut Messages) {
         for id in self.programs.compiler.slow() {
-            let Some(task) = self.programs.task(id) else { continue };
+            let Some(task) = self.programs.tasks.get(&id) else { continue };
             let is_for_frames = task.product == ProgramProduct::Frames;
             // Skip scenes prepared ahead: nobody waits for them.
             let is_theirs = |scene: &PreparedScene| task.of == ProgramOf::Compiled(scene.id);

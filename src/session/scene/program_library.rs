@@ -35,7 +35,7 @@ pub(super) struct ProgramLibrary {
     universal_programs: KeptPrograms,
     /// Interpreters made for particular scenes.
     interpreters: KeptPrograms,
-    tasks: HashMap<u64, Task>,
+    pub(super) tasks: HashMap<u64, Task>,
     next_task: u64,
     /// True after the first frame. Until then scenes get their own interpreters: the universal one compiles slowly.
     pub(super) has_shown: bool,
@@ -85,10 +85,6 @@ impl ProgramLibrary {
 
     pub(super) fn is_idle(&self) -> bool {
         self.tasks.is_empty()
-    }
-
-    pub(super) fn task(&self, id: u64) -> Option<&Task> {
-        self.tasks.get(&id)
     }
 
     pub(super) fn receive_interpreter(&mut self, interpreter: &Interpreter, program: Program) {

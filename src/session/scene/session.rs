@@ -259,7 +259,9 @@ impl SceneSession {
         self.composer.redraw();
         let Some((name, (id, mode))) = self.scenes.name().zip(now) else { return };
         tracing::info!("{name} is shown, {mode}");
-        if before.is_some_and(|(known, _)| known == id) && self.preparation.has_come(mode) {
+        let has_come = before.is_some_and(|(known, _)| known == id)
+            && self.preparation.asked_mode.take_if(|asked| *asked == mode).is_some();
+        if has_come {
             self.messages.answer(mode.to_string());
         }
     }
