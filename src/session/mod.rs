@@ -167,41 +167,40 @@ impl Session {
 
     /// Passes a key to the table of keys, which is above all panels. Returns `true` if the table consumed it.
     fn pass_to_help(&mut self, input: &Input) -> bool {
-        if !self.interface.ui_state.panels.help {
-            return false;
-        }
-        let Some((key, held)) = self.interface.input.typed(input) else { return false };
-        if self.interface.pass_to_controls(&mut *self.screen, key, held) {
-            return true;
-        }
-        let command_key = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
-        let commands = self.interface.ui_state.help.handle_key(key, command_key);
-        let is_taken = commands.is_some();
-        self.carry_out_all(commands.into_iter().flatten());
-        is_taken
+        let is_command = |held: Modifiers| held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
+        self.interface.ui_state.panels.help
+            && self.pass_key(input, |ui, key, held| ui.help.handle_key(key, is_command(held)))
     }
 
     /// Passes a key to the open panel, or closes the panel by the key that opens it. Returns `true` if the panel
     /// consumed the key.
     fn pass_to_panels(&mut self, input: &Input) -> bool {
+        self.pass_key(input, |ui, key, held| {
+            let open = ui.panels.open.map(Command::TogglePanel);
+            let is_searching = ui.panel.as_ref().is_some_and(OpenPanel::is_searching);
+            if open.is_some() && Command::of_key(key, held, false) == open && !is_searching {
+                return open.map(|closes| vec![closes]);
+            }
+            let taken = ui.panel.as_mut().and_then(|panel| panel.handle_key(key, held));
+            // Files can be dropped while no panel is open, so the former list comes back without one.
+            let undoes = held.intersects(Modifiers::CONTROL | Modifiers::SUPER)
+                && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
+            taken.or_else(|| undoes.then(|| vec![Command::UndoTracks]))
+        })
+    }
+
+    /// Passes a key to the controls, or otherwise to `panel`, and carries out the commands of the panel. Returns `true`
+    /// if one of them consumed the key.
+    fn pass_key(
+        &mut self,
+        input: &Input,
+        panel: impl FnOnce(&mut UiState, &Key, Modifiers) -> Option<Vec<Command>>,
+    ) -> bool {
         let Some((key, held)) = self.interface.input.typed(input) else { return false };
         if self.interface.pass_to_controls(&mut *self.screen, key, held) {
             return true;
         }
-        let ui = &self.interface.ui_state;
-        let panel = ui.panels.open.map(Command::TogglePanel);
-        if panel.is_some()
-            && Command::of_key(key, held, false) == panel
-            && !ui.panel.as_ref().is_some_and(OpenPanel::is_searching)
-        {
-            self.carry_out_all(panel);
-            return true;
-        }
-        let command_key = held.intersects(Modifiers::CONTROL | Modifiers::SUPER);
-        let taken = self.interface.ui_state.panel.as_mut().and_then(|panel| panel.handle_key(key, held));
-        // Files can be dropped while no panel is open, so the former list comes back without one.
-        let undoes = command_key && matches!(key, Key::Character(text) if text.eq_ignore_ascii_case("z"));
-        let commands = taken.or_else(|| undoes.then(|| vec![Command::UndoTracks]));
+        let commands = panel(&mut self.interface.ui_state, key, held);
         let is_taken = commands.is_some();
         self.carry_out_all(commands.into_iter().flatten());
         is_taken
