@@ -48,9 +48,12 @@ pub struct Encoder {
     /// For each value, the last step that reads it: `u32::MAX` for outputs, 0 for unread values.
     last_use: Vec<u32>,
     register: Vec<u8>,
+    free: FreeRegisters,
     /// For each texture sample, true if it is already in a register.
     sampled: Vec<bool>,
     pub(super) texels: Vec<Texel>,
+    /// True if the last texel has only one clause so far.
+    half: bool,
     /// The largest number of registers that a program has needed so far.
     pub registers: usize,
     /// Number of clauses of the last program.
@@ -104,50 +107,44 @@ impl Encoder {
         self.register.clear();
         self.register.extend(0..program.in_registers as u8);
         self.register.resize(program.values(), 0);
-        let mut free = FreeRegisters::default();
+        self.half = false;
+        self.free = FreeRegisters { highest: program.in_registers, ..FreeRegisters::default() };
         for input in 0..program.in_registers {
-            free.first &= !(u64::from(self.last_use[input] != 0) << input);
+            self.free.bits[0] &= !(u64::from(self.last_use[input] != 0) << input);
         }
-        let mut highest = program.in_registers;
-        let mut half = false;
-        self.sampled.clear();
-        self.sampled.resize(program.inputs - program.in_registers, false);
+        refill(&mut self.sampled, program.inputs - program.in_registers, false);
         for place in (0..self.list.len()).rev() {
             let clause = self.list[place];
             for value in [clause.a, clause.b] {
                 if (value as usize) < program.inputs {
-                    highest = highest.max(self.sample(value, program, &mut free, &mut half)?);
+                    self.sample(value, program)?;
                 }
             }
             let [a, b] = [clause.a, clause.b].map(|value| self.register[value as usize]);
             for (value, register) in [(clause.a, a), (clause.b, b)] {
-                free.give_if(self.last_use[value as usize] == clause.at, register);
+                self.free.give_if(self.last_use[value as usize] == clause.at, register);
             }
-            let output = free.allocate()?;
-            highest = highest.max(usize::from(output) + 1);
+            let output = self.free.allocate()?;
             self.register[clause.at as usize] = output;
             let a = if clause.reads[0] { a } else { IMMEDIATE };
             let b = if clause.reads[1] { b } else { IMMEDIATE };
             let word = u32::from_le_bytes([clause.opcode, output, a, b]);
-            self.write(word, clause.number, clause.rare, &mut half);
+            self.write(word, clause.number, clause.rare);
         }
         self.outputs.clear();
         let mut numbers: Vec<(u32, u8)> = Vec::new();
         for root in roots {
             let output = match *root {
                 Arg::Value(value) => {
-                    if (value as usize) < program.inputs {
-                        highest = highest.max(self.sample(value, program, &mut free, &mut half)?);
-                    }
+                    self.sample(value, program)?;
                     self.register[value as usize]
                 }
                 Arg::Number(number) => match numbers.iter().find(|(bits, _)| *bits == number.to_bits()) {
                     Some((_, output)) => *output,
                     None => {
-                        let output = free.allocate()?;
-                        highest = highest.max(usize::from(output) + 1);
+                        let output = self.free.allocate()?;
                         let load = u32::from_le_bytes([opcode::LOAD, output, IMMEDIATE, 0]);
-                        self.write(load, number, false, &mut half);
+                        self.write(load, number, false);
                         numbers.push((number.to_bits(), output));
                         output
                     }
@@ -156,26 +153,22 @@ impl Encoder {
             self.outputs.push(output);
         }
         let output = |place: usize| self.outputs.get(place).copied().unwrap_or(0);
-        self.end([output(0), output(1)], half);
-        Some(highest)
+        self.end([output(0), output(1)]);
+        Some(self.free.highest)
     }
 
-    /// Loads a texture sample on its first read. (Other inputs are already in registers.) `None` if registers run out.
-    fn sample(
-        &mut self,
-        value: u32,
-        program: &Program,
-        free: &mut FreeRegisters,
-        half: &mut bool,
-    ) -> Option<usize> {
-        let Some(sample) = (value as usize).checked_sub(program.in_registers) else { return Some(0) };
-        let Some(sampled) = self.sampled.get_mut(sample).filter(|sampled| !**sampled) else { return Some(0) };
+    /// Loads a texture sample on its first read. (Other values are already in registers.) `None` if registers run out.
+    fn sample(&mut self, value: u32, program: &Program) -> Option<()> {
+        let Some(sample) = (value as usize).checked_sub(program.in_registers) else { return Some(()) };
+        let Some(sampled) = self.sampled.get_mut(sample).filter(|sampled| !**sampled) else {
+            return Some(());
+        };
         *sampled = true;
-        let output = free.allocate()?;
+        let output = self.free.allocate()?;
         self.register[value as usize] = output;
         let word = u32::from_le_bytes([opcode::TEXTURE, output, 0, 0]);
-        self.write(word, f32::from_bits(sample as u32), true, half);
-        Some(usize::from(output) + 1)
+        self.write(word, f32::from_bits(sample as u32), true);
+        Some(())
     }
 
     /// True if the last program reads a texture.
@@ -242,65 +235,54 @@ impl Encoder {
         }
     }
 
-    /// Appends a clause. `half` is true if the last texel so far has only one clause.
+    /// Appends a clause, which some operators need to be `second` in its texel.
     #[inline(always)]
-    fn write(&mut self, word: u32, immediate: f32, second: bool, half: &mut bool) {
+    fn write(&mut self, word: u32, immediate: f32, second: bool) {
         self.clauses += 1;
         let immediate = immediate.to_bits();
         match self.texels.last_mut() {
-            Some(last) if *half => (last[2], last[3]) = (word, immediate),
+            Some(last) if self.half => (last[2], last[3]) = (word, immediate),
             _ if second => return self.texels.push([0, 0, word, immediate]),
             _ => self.texels.push([word, immediate, 0, 0]),
         }
-        *half = !*half;
+        self.half = !self.half;
     }
 
-    fn end(&mut self, outputs: [u8; 2], half: bool) {
+    fn end(&mut self, outputs: [u8; 2]) {
         let end = end_of(outputs);
         match self.texels.last_mut() {
-            Some(last) if half => last[2] = end,
+            Some(last) if self.half => last[2] = end,
             _ => self.texels.push([0, 0, end, 0]),
         }
     }
 }
 
-/// One bit per register: 1 if the register is free. Hardly any program needs more than the first 64 registers.
 #[derive(Debug)]
 struct FreeRegisters {
-    first: u64,
-    others: [u64; REGISTERS_MAX / 64 - 1],
+    /// One bit per register: 1 if the register is free. Hardly any program needs more than the first 64 registers.
+    bits: [u64; REGISTERS_MAX / 64],
+    /// Number of registers up to the highest one that was taken.
+    highest: usize,
 }
 
 impl Default for FreeRegisters {
     fn default() -> Self {
-        Self { first: u64::MAX, others: [u64::MAX; REGISTERS_MAX / 64 - 1] }
+        Self { bits: [u64::MAX; REGISTERS_MAX / 64], highest: 0 }
     }
 }
 
 impl FreeRegisters {
     #[inline(always)]
     fn allocate(&mut self) -> Option<u8> {
-        if self.first != 0 {
-            let register = self.first.trailing_zeros();
-            self.first &= self.first - 1;
-            return Some(register as u8);
-        }
-        for (part, bits) in self.others.iter_mut().enumerate() {
-            if *bits != 0 {
-                let register = 64 * (part as u32 + 1) + bits.trailing_zeros();
-                *bits &= *bits - 1;
-                return Some(register as u8);
-            }
-        }
-        None
+        let (part, bits) = self.bits.iter_mut().enumerate().find(|(_, bits)| **bits != 0)?;
+        let register = 64 * part + bits.trailing_zeros() as usize;
+        *bits &= *bits - 1;
+        self.highest = self.highest.max(register + 1);
+        Some(register as u8)
     }
 
     #[inline(always)]
     fn give_if(&mut self, condition: bool, register: u8) {
-        let bit = u64::from(condition) << (register & 63);
-        match usize::from(register >> 6).checked_sub(1) {
-            None => self.first |= bit,
-            Some(part) => self.others[part] |= bit,
-        }
+        self.bits[usize::from(register >> 6)] |= u64::from(condition) << (register & 63);
     }
 }
