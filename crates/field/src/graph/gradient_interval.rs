@@ -81,8 +81,7 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// Like [`GradientInterval::binary`], but splits fused operators: sums of squares are recognized only in separate
-    /// operators.
+    /// Applies an operator and splits fused ones: sums of squares are recognized only in separate operators.
     pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
         let one = |op: Op, a: &Self| Self::unary(op, a, frame);
         let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
@@ -97,6 +96,7 @@ impl GradientInterval {
             Op::AbsSub => two(Op::Sub, &one(Op::Abs, a), b),
             Op::SqrtSub => two(Op::Sub, &one(Op::Sqrt, a), b),
             Op::Length => one(Op::Sqrt, &two(Op::Add, &one(Op::Square, a), b)),
+            _ if op.arity() == 1 => one(op, a),
             _ => two(op, a, b),
         }
     }
@@ -111,24 +111,19 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Returns the only plane in the box where a one-operand operator jumps: its axis and coordinate. Else `None`.
-    pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
+    /// Returns the only plane in the box where an operator jumps: its axis and coordinate. Else `None`.
+    pub fn jump(op: Op, a: &Self, b: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
             Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
             Op::Round => 0.5,
+            Op::Less | Op::LessEqual | Op::Step => {
+                let gradient = [0, 1, 2].map(|axis| rules::sub(a.gradient[axis], b.gradient[axis]));
+                return Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides);
+            }
             _ => return None,
         };
         let place = (a.value.lo - offset).floor() + 1.0 + offset;
         a.place_of(place, sides)
-    }
-
-    /// Like [`GradientInterval::jump`], for a two-operand operator.
-    pub fn jump_of_two(op: Op, a: &Self, b: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
-        if !matches!(op, Op::Less | Op::LessEqual | Op::Step) {
-            return None;
-        }
-        let gradient = [0, 1, 2].map(|axis| rules::sub(a.gradient[axis], b.gradient[axis]));
-        Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
     }
 
     /// Returns the axis and the coordinate inside the box at which the value is `wanted`. Returns `None` unless the

@@ -133,19 +133,10 @@ fn run(
     };
     for step in &program.steps {
         let (a, b) = (of(values, step.first()), of(values, step.second()));
-        let two = step.op.arity() == 2;
         if let Some(jumps) = &mut jumps {
-            jumps.add(if two {
-                GradientInterval::jump_of_two(step.op, &a, &b, sides)
-            } else {
-                GradientInterval::jump(step.op, &a, sides)
-            });
+            jumps.add(GradientInterval::jump(step.op, &a, &b, sides));
         }
-        values.push(if two {
-            GradientInterval::in_parts(step.op, &a, &b, frame)
-        } else {
-            GradientInterval::unary(step.op, &a, frame)
-        });
+        values.push(GradientInterval::in_parts(step.op, &a, &b, frame));
     }
     of(values, program.roots[BOUND])
 }

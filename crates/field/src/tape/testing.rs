@@ -31,14 +31,10 @@ impl Domain for Slopes<'_> {
         }
     }
     fn operator(&mut self, op: Op, a: &GradientInterval, b: &GradientInterval) -> GradientInterval {
-        let is_unary = op.arity() == 1;
         if let Some(jumps) = &mut self.jumps {
-            jumps.add(match is_unary {
-                true => GradientInterval::jump(op, a, self.position),
-                false => GradientInterval::jump_of_two(op, a, b, self.position),
-            });
+            jumps.add(GradientInterval::jump(op, a, b, self.position));
         }
-        match is_unary {
+        match op.arity() == 1 {
             true => GradientInterval::unary(op, a, self.frame),
             false => GradientInterval::binary(op, a, b, self.frame),
         }
