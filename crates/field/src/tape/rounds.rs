@@ -425,25 +425,13 @@ impl Rounds {
                 (Op::Add, Source::Known(0.0), other) | (Op::Add | Op::Sub, other, Source::Known(0.0)) => {
                     Some(other)
                 }
-                (Op::Max, Source::Known(1.0), other) | (Op::Max, other, Source::Known(1.0))
-                    if is_truth(other) =>
+                (Op::Min | Op::Max, Source::Known(known), other)
+                | (Op::Min | Op::Max, other, Source::Known(known))
+                    if is_truth(Source::Known(known)) && is_truth(other) =>
                 {
-                    Some(Source::Known(1.0))
-                }
-                (Op::Min, Source::Known(0.0), other) | (Op::Min, other, Source::Known(0.0))
-                    if is_truth(other) =>
-                {
-                    Some(Source::Known(0.0))
-                }
-                (Op::Max, Source::Known(0.0), other) | (Op::Max, other, Source::Known(0.0))
-                    if is_truth(other) =>
-                {
-                    Some(other)
-                }
-                (Op::Min, Source::Known(1.0), other) | (Op::Min, other, Source::Known(1.0))
-                    if is_truth(other) =>
-                {
-                    Some(other)
+                    // One truth decides: 0 a minimum, 1 a maximum.
+                    let decides = (known == 1.0) == (op == Op::Max);
+                    Some(if decides { Source::Known(f32::from(op == Op::Max)) } else { other })
                 }
                 _ => None,
             };
