@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::gradient::Linear;
 use super::lanes::{CELLS, Lanes, bound, bounds_of};
 use super::program::{Arg, BOUND, Program, Structure};
-use super::prune::{ChoiceTrace, Scratch};
+use super::prune::{ChoiceTrace, Scratch, decide, of_distance};
 use crate::bounds::Bounds;
 use crate::graph::{FrameInputs, Graph, Interval, Node, NodeId, Op};
 
@@ -140,7 +140,8 @@ impl<'a> EveryFrame<'a> {
     pub(crate) fn decide(&mut self, BoxProgram(program): &BoxProgram, boxes: u64, groups: &[u64]) {
         if program.steps.len() > SHORT_ENOUGH {
             self.structure.analyse(program);
-            self.decisions.decide(program, &self.structure, &self.rows, [boxes, 0], groups);
+            let roots = of_distance(boxes, 0);
+            decide(&mut self.decisions, program, &self.structure, &self.rows, &roots, groups);
         }
     }
 

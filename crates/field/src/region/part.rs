@@ -8,7 +8,7 @@ use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
 use super::lanes::{CELLS, Lanes, bounds_of, cells_of, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
-use super::prune::{ChoiceTrace, Scratch};
+use super::prune::{ChoiceTrace, Scratch, decide, of_distance};
 use super::read::clauses;
 use super::reuse::{Hashed, Memory, is_of_place, key_of, spread};
 use super::tree::{Brick, RegionStats, Scale, Trunk, bound_cells, place_in};
@@ -243,9 +243,10 @@ impl<'a> Part<'a> {
         let fractions = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
         level.together.clear();
         level.together.extend(fractions.filter(|cells| *cells != 0));
+        let roots = of_distance(own, near);
         for coarse in [false, true] {
             level.decisions.coarse = coarse;
-            level.decisions.decide(program, structure, &level.rows, [own, near], &level.together);
+            decide(&mut level.decisions, program, structure, &level.rows, &roots, &level.together);
             level.decisions.groups(&level.rows, &[near, own & !near], &mut level.groups);
             if depth == 1 || level.groups.len() <= GROUPS_MANY {
                 break;

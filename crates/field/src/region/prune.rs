@@ -115,34 +115,6 @@ fn is_lost(rows: &[Lanes], structure: &Structure, small: Arg, large: Arg) -> u64
 }
 
 impl ChoiceTrace {
-    /// Decides which steps are needed: by the distance in the cells `need`, by the object in the cells `need_object`.
-    /// `rows` are the bounds of the program's values. Decisions must hold in all cells of a mask in `together`.
-    ///
-    /// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. The
-    /// operand is never the least one there, so the minimum keeps its bits.
-    pub(super) fn decide(
-        &mut self,
-        program: &Program,
-        structure: &Structure,
-        rows: &[Lanes],
-        [need, need_object]: [u64; 2],
-        together: &[u64],
-    ) {
-        let roots = [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)];
-        decide(self, program, structure, rows, &roots, together);
-    }
-
-    pub(super) fn decide_all(
-        &mut self,
-        program: &Program,
-        structure: &Structure,
-        rows: &[Lanes],
-        together: &[u64],
-    ) {
-        let roots: Vec<(usize, u64)> = (0..program.roots.len()).map(|root| (root, u64::MAX)).collect();
-        decide(self, program, structure, rows, &roots, together);
-    }
-
     pub(super) fn groups(&self, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
         groups.clear();
         groups.extend(cells.iter().copied().filter(|cells| *cells != 0));
@@ -267,9 +239,18 @@ fn chosen(step: &Step, structure: &Structure, rows: &[Lanes], at: usize) -> (u64
     (left, right)
 }
 
-/// Implements [`ChoiceTrace::decide`]. It is also compiled for CPUs with wider vectors.
+/// The roots of a distance: the cells `need` need the distance, and the cells `need_object` the object.
+pub(super) fn of_distance(need: u64, need_object: u64) -> [(usize, u64); 3] {
+    [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)]
+}
+
+/// Decides which steps are needed. Each of `roots` is needed in some cells. `rows` are the bounds of the program's values.
+/// Decisions must hold in all cells of a mask in `together`. It is also compiled for CPUs with wider vectors.
+///
+/// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. The operand is
+/// never the least one there, so the minimum keeps its bits.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn decide(
+pub(super) fn decide(
     decisions: &mut ChoiceTrace,
     program: &Program,
     structure: &Structure,

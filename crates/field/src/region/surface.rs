@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound, cells_of, mask};
 use super::program::{Program, Structure};
-use super::prune::{ChoiceTrace, Scratch};
+use super::prune::{ChoiceTrace, Scratch, decide};
 use super::tree::place_in;
 use super::{DIVIDED, Formula, ROOT_SIDE, Regions};
 use crate::graph::{FrameInputs, Input, Interval};
@@ -304,11 +304,12 @@ impl<'a> Shortener<'a> {
             left &= !together.last().copied().unwrap_or(left);
         }
         let mut groups = Vec::new();
-        self.decisions.decide_all(program, &self.structure, &self.rows, &together);
+        let roots: Vec<(usize, u64)> = (0..program.roots.len()).map(|root| (root, u64::MAX)).collect();
+        decide(&mut self.decisions, program, &self.structure, &self.rows, &roots, &together);
         self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
         let shared: Vec<(u64, Program)> =
             groups.iter().map(|group| (*group, self.shortened(program, *group))).collect();
-        self.decisions.decide_all(program, &self.structure, &self.rows, &[]);
+        decide(&mut self.decisions, program, &self.structure, &self.rows, &roots, &[]);
         self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
         let mut found = [None; CELLS];
         for group in groups {

@@ -11,7 +11,7 @@ use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
-use super::prune::ChoiceTrace;
+use super::prune::{ChoiceTrace, decide, of_distance};
 use super::reuse::{Before, Memory};
 use super::{BRICK_SIDE, OBJECT_UNKNOWN, ROOT_GROWTH, ROOT_SIDE, RegionPlan, RegionVariant};
 use crate::bounds::Bounds;
@@ -307,7 +307,7 @@ impl Trunk<'_> {
         for Root { block, rows, decisions, groups, scale } in &mut self.roots {
             self.stats.passes += 1;
             bound_cells(&self.program, *block, scale.overlap, rows, self.frame);
-            decisions.decide(&self.program, &structure, rows, [u64::MAX; 2], &[]);
+            decide(decisions, &self.program, &structure, rows, &of_distance(u64::MAX, u64::MAX), &[]);
             decisions.groups(rows, &[u64::MAX], groups);
         }
     }
