@@ -31,8 +31,6 @@ pub struct Loaded<T> {
     pub source: SceneSource,
     /// The value that the load function returned.
     pub value: T,
-    /// The files that are watched for this source.
-    pub files: Vec<PathBuf>,
     /// Duration of the load function.
     pub took: Duration,
 }
@@ -190,7 +188,7 @@ where
     /// Loads the source again if its files have changed and their writers seem to have finished.
     fn check(&mut self) {
         let Some(current) = &mut self.current else { return };
-        let stamps: Vec<Stamp> = current.seen.keys().map(|file| Stamp::of(file)).collect();
+        let stamps: Vec<Stamp> = current.seen.keys().map(|file| stamp_of(file)).collect();
         let noticed = self.noticed.take();
         let known = |seen: &Option<Look>, stamp| seen.as_ref().is_some_and(|seen| seen.proves(stamp));
         let files = current.seen.iter().zip(&stamps).filter(|((_, seen), stamp)| !known(seen, stamp));
@@ -207,14 +205,14 @@ where
         }
         let looks: BTreeMap<PathBuf, Look> =
             doubtful.into_iter().map(|file| (file.clone(), Look::at(&file))).collect();
-        let before = |file| current.seen.get(file)?.as_ref().map(|seen| &seen.content);
+        let before = |file| current.seen.get(file)?.as_ref().map(|seen| seen.content);
         let gone =
-            |(file, look): (_, &Look)| before(file).is_some_and(|before| look.content.is_gone_since(before));
+            |(file, look): (_, &Look)| before(file).is_some_and(|before| is_gone(look.content, before));
         if patient && looks.iter().any(gone) {
             self.noticed = Some(Noticed { since, stamps });
             return;
         }
-        let changed = looks.iter().any(|(file, look)| before(file) != Some(&look.content));
+        let changed = looks.iter().any(|(file, look)| before(file) != Some(look.content));
         current.seen.extend(looks.into_iter().map(|(file, look)| (file, Some(look))));
         if changed {
             self.load();
@@ -236,15 +234,14 @@ where
         };
         let look = |file: &PathBuf| {
             // A dependency that was unknown until now may have changed during the load.
-            let look = seen
-                .remove(file)
-                .unwrap_or_else(|| Some(Look::at(file)).filter(|look| !look.stamp.is_since(began)));
+            let is_older = |look: &Look| look.modified().is_none_or(|modified| modified < began);
+            let look = seen.remove(file).unwrap_or_else(|| Some(Look::at(file)).filter(is_older));
             (file.clone(), look)
         };
         let seen = files.iter().map(look).collect();
         self.current = Some(Current { source: source.clone(), seen });
         match outcome {
-            Ok((value, files)) => (self.publish)(Loaded { source, value, files, took }),
+            Ok((value, _)) => (self.publish)(Loaded { source, value, took }),
             Err(_) => tracing::error!("loading {} failed: this is a bug in Mariana", source.name()),
         }
     }
@@ -260,68 +257,47 @@ struct Look {
     fresh: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Content {
-    Missing,
-    /// Length and hash of a file. If the file is larger than any scene may read, `hash` is 0.
-    Bytes {
-        length: u64,
-        hash: u64,
-    },
-    /// A folder, a pipe, or a file that the system refuses to read.
-    Unreadable(String),
-}
+/// Length and hash of a file; `None` if it is missing or cannot be read. If the file is larger than any scene may read,
+/// the hash is 0.
+type Content = Option<(u64, u64)>;
 
 /// Length and modification time, known without reading the file. Two saves within one tick of the file system's clock
 /// may have equal stamps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Stamp(Option<(u64, Option<SystemTime>)>);
+type Stamp = Option<(u64, Option<SystemTime>)>;
 
-impl Stamp {
-    fn of(path: &Path) -> Self {
-        let metadata = fs::metadata(path).ok();
-        Self(metadata.map(|metadata| (metadata.len(), metadata.modified().ok())))
-    }
-
-    /// True if the file may have changed at `time` or later.
-    fn is_since(&self, time: SystemTime) -> bool {
-        matches!(self.0, Some((_, Some(modified))) if modified >= time)
-    }
+fn stamp_of(path: &Path) -> Stamp {
+    let metadata = fs::metadata(path).ok()?;
+    Some((metadata.len(), metadata.modified().ok()))
 }
 
 impl Look {
     fn at(path: &Path) -> Self {
         // Take the stamp first: if the file changes in between, the next check finds a different stamp.
-        let stamp = Stamp::of(path);
-        let content = match hash(path) {
-            Ok((length, hash)) => Content::Bytes { length, hash },
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Content::Missing,
-            Err(error) => Content::Unreadable(error.to_string()),
-        };
+        let stamp = stamp_of(path);
+        let look = Self { content: content_of(path).ok(), stamp, fresh: false };
         let now = SystemTime::now();
         let age = |modified| now.duration_since(modified).unwrap_or_else(|error| error.duration());
-        let fresh = stamp
-            .0
-            .and_then(|(_, modified)| modified)
-            .is_some_and(|modified| age(modified) <= COARSE_CLOCK_STEP);
-        Self { content, stamp, fresh }
+        Self { fresh: look.modified().is_some_and(|modified| age(modified) <= COARSE_CLOCK_STEP), ..look }
+    }
+
+    fn modified(&self) -> Option<SystemTime> {
+        self.stamp?.1
     }
 
     /// True if a file with this stamp has the same content for certain.
     fn proves(&self, stamp: &Stamp) -> bool {
-        !self.fresh && self.stamp == *stamp && !matches!(self.content, Content::Unreadable(_))
+        // A file that could not be read may become readable without another stamp.
+        !self.fresh && self.stamp == *stamp && self.content.is_some() == stamp.is_some()
     }
 }
 
-impl Content {
-    /// True if the file has become missing or empty, as in a save that first empties or deletes the file.
-    fn is_gone_since(&self, before: &Self) -> bool {
-        let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
-        nothing(self) && !nothing(before)
-    }
+/// True if a file has become missing or empty, as in a save that first empties or deletes the file.
+fn is_gone(now: Content, before: Content) -> bool {
+    let is_nothing = |content: Content| content.is_none_or(|(length, _)| length == 0);
+    is_nothing(now) && !is_nothing(before)
 }
 
-fn hash(path: &Path) -> io::Result<(u64, u64)> {
+fn content_of(path: &Path) -> io::Result<(u64, u64)> {
     let max = limits::TEXTURE_BYTES_MAX.max(FIELD_LIMITS.scene_bytes_max);
     let Some(bytes) = read_at_most(path, max)? else { return Ok((fs::metadata(path)?.len(), 0)) };
     let mut hasher = DefaultHasher::new();
@@ -340,7 +316,7 @@ mod content_tests {
     fn content_decides_and_not_the_time() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
-        assert_eq!(Look::at(&path).content, Content::Missing);
+        assert_eq!(Look::at(&path).content, None);
         fs::write(&path, "one").unwrap();
         let first = Look::at(&path);
         let file = fs::File::options().append(true).open(&path).unwrap();
@@ -353,14 +329,14 @@ mod content_tests {
         let second = Look::at(&path);
         assert_eq!(second.stamp, touched.stamp);
         assert_ne!(second.content, touched.content);
-        assert!(matches!(Look::at(folder.path()).content, Content::Unreadable(_)));
+        assert_eq!(Look::at(folder.path()).content, None);
     }
 
     #[test]
     fn empty_after_something_is_gone_but_empty_from_the_start_is_not() {
-        let [empty, full] = [0, 7].map(|length| Content::Bytes { length, hash: 1 });
-        assert!(empty.is_gone_since(&full) && Content::Missing.is_gone_since(&full));
-        assert!(!empty.is_gone_since(&Content::Missing) && !Content::Missing.is_gone_since(&empty));
-        assert!(!full.is_gone_since(&full));
+        let [empty, full] = [0, 7].map(|length| Some((length, 1)));
+        assert!(is_gone(empty, full) && is_gone(None, full));
+        assert!(!is_gone(empty, None) && !is_gone(None, empty));
+        assert!(!is_gone(full, full));
     }
 }
