@@ -76,7 +76,7 @@ impl RayProbe<'_> {
         let (mut ray, mut travelled, mut throughput) = (*ray, 0.0, 1.0);
         for _ in 0..SURFACES_MAX {
             let Traced { hit, evaluations, .. } = self.trace(&ray);
-            let steps = self.steps_of(&ray);
+            let steps = self.without_cells().trace(&ray).steps;
             let Some(hit) = hit else {
                 path.push(PathRay { ray, steps, evaluations, surface: None });
                 break;
@@ -102,13 +102,6 @@ impl RayProbe<'_> {
             };
         }
         path
-    }
-
-    fn steps_of(&self, ray: &Ray) -> Vec<RayStep> {
-        let begun = self.steps.replace(Some(Vec::new()));
-        debug_assert!(begun.is_none(), "rays are recorded one after another");
-        self.without_cells(|plain| plain.trace(ray));
-        self.steps.take().unwrap_or_default()
     }
 
     fn surface(&self, ray: &Ray, hit: Hit, cone: f32, values: &FrameValues) -> PathSurface {
@@ -212,7 +205,7 @@ impl RayProbe<'_> {
             };
             let (visible, steps) = follow(self);
             (shadow.visible, shadow.evaluations) = (visible, steps.len());
-            shadow.steps = self.without_cells(follow).1;
+            shadow.steps = follow(&self.without_cells()).1;
         }
         Some(shadow)
     }

@@ -13,8 +13,6 @@ mod ray_statistics;
 #[cfg(test)]
 mod tests;
 
-use std::cell::{Cell as StdCell, RefCell};
-use std::collections::HashMap;
 use std::ops::Range;
 
 pub use deciding::Deciding;
@@ -72,7 +70,7 @@ pub struct Hit {
 }
 
 /// The result and the cost of a ray.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Traced {
     /// The surface; `None` for the sky.
     pub hit: Option<Hit>,
@@ -80,22 +78,21 @@ pub struct Traced {
     pub evaluations: u32,
     /// Number of clauses that these evaluations ran.
     pub clauses: u64,
+    /// The evaluations, in order.
+    pub steps: Vec<RayStep>,
     /// True if the ray used up its steps.
     pub capped: bool,
 }
 
 /// A world in one frame, ready for tracing.
+#[derive(Clone, Copy)]
 pub struct RayProbe<'a> {
     world: &'a World,
     regions: &'a Regions,
     frame: &'a FrameInputs,
     planes: &'a [[f32; 4]],
-    /// The length of each tape that was run, by the tape's first texel.
-    lengths: RefCell<HashMap<u32, u64>>,
-    /// The steps of the present ray, if they are recorded.
-    steps: RefCell<Option<Vec<RayStep>>>,
-    /// True while rays do not skip cells.
-    is_plain: StdCell<bool>,
+    /// True if rays do not skip cells.
+    is_plain: bool,
 }
 
 /// The distance along each axis at which the gradient at a hit is sampled.
@@ -111,15 +108,7 @@ impl<'a> RayProbe<'a> {
         frame: &'a FrameInputs,
         planes: &'a [[f32; 4]],
     ) -> Self {
-        Self {
-            world,
-            regions,
-            frame,
-            planes,
-            lengths: RefCell::default(),
-            steps: RefCell::default(),
-            is_plain: StdCell::new(false),
-        }
+        Self { world, regions, frame, planes, is_plain: false }
     }
 
     /// Follows a ray to the first surface.
@@ -255,8 +244,7 @@ impl<'a> RayProbe<'a> {
     fn values(&self, cell: Option<&Cell>, point: [f32; 3], traced: &mut Traced) -> [f32; 2] {
         let tape = self.tape_of(cell);
         traced.evaluations += 1;
-        traced.clauses +=
-            *self.lengths.borrow_mut().entry(tape).or_insert_with(|| self.regions.clauses_of(tape));
+        traced.clauses += self.regions.clauses_of(tape);
         self.regions.run(tape, point, 0.0, self.frame)
     }
 
@@ -264,18 +252,9 @@ impl<'a> RayProbe<'a> {
         self.values(cell, point, traced)[0]
     }
 
-    /// Calls `trace` with rays that do not skip cells, if the values are distances. Other values need the cells.
-    fn without_cells<T>(&self, trace: impl FnOnce(&Self) -> T) -> T {
-        self.is_plain.set(self.is_distance());
-        let result = trace(self);
-        self.is_plain.set(false);
-        result
-    }
-
-    fn record(&self, t: f32, value: f32) {
-        if let Some(steps) = &mut *self.steps.borrow_mut() {
-            steps.push(RayStep { t, value });
-        }
+    /// Returns a probe whose rays do not skip cells, if the values are distances. Other values need the cells.
+    fn without_cells(&self) -> Self {
+        Self { is_plain: self.is_distance(), ..*self }
     }
 
     fn trace_distance(&self, ray: &Ray, span: Range<f32>, traced: &mut Traced) -> Option<f32> {
@@ -298,7 +277,7 @@ impl<'a> RayProbe<'a> {
             }
             let bound;
             [bound, d] = self.values(cell.as_ref(), ray.at(t), traced);
-            self.record(t, d);
+            traced.steps.push(RayStep { t, value: d });
             // A NaN also ends the ray.
             if d.is_nan() || d < reach * t {
                 traced.capped = false;
@@ -340,7 +319,7 @@ impl<'a> RayProbe<'a> {
                 return None;
             }
             let value = self.value(cell.as_ref(), ray.at(t), traced);
-            self.record(t, value);
+            traced.steps.push(RayStep { t, value });
             let radius = ray.spread * t;
             if value > 0.0 {
                 outside = (t, value);
@@ -372,7 +351,7 @@ impl<'a> RayProbe<'a> {
     }
 
     fn cell_at(&self, walk: &Walk<'_>, t: f32) -> Option<Cell> {
-        if self.is_plain.get() { None } else { self.regions.cell_at(walk.place_on(t)) }
+        if self.is_plain { None } else { self.regions.cell_at(walk.place_on(t)) }
     }
 }
 
