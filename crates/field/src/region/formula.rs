@@ -7,7 +7,8 @@ use super::encode::{Encoder, REGISTERS_MAX, Texel};
 use super::program::{Arg, MARK_SIGN, Program, mark, marked};
 use super::short_lives::ShortLives;
 use crate::graph::{
-    Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, SILENT, ShapeAtlas, TableData, Uses,
+    Compounds, FrameInputs, Graph, InputsUsed, Node, NodeId, Op, Properties, SILENT, ShapeAtlas, TableData,
+    Uses,
 };
 use crate::world::Hoisted;
 
@@ -19,37 +20,25 @@ pub struct RegionKey {
     shapes: Option<ShapeAtlas>,
 }
 
-/// The inputs of the frame that expressions read.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Reads {
-    inputs: Vec<Input>,
-    tables: BTreeSet<Op>,
-}
-
-impl Reads {
-    pub(crate) fn of(graph: &Graph, roots: &[NodeId]) -> Self {
-        let used = graph.inputs_used(roots);
-        let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
-        Self { inputs, tables: used.tables }
-    }
-
-    pub(crate) fn key(&self, inputs: &FrameInputs) -> RegionKey {
-        let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
+impl RegionKey {
+    /// Returns the values in a frame of the inputs that are used.
+    pub(crate) fn of(used: &InputsUsed, frame: &FrameInputs) -> Self {
+        let mut numbers: Vec<u32> = used.inputs.iter().map(|input| frame.value(*input).to_bits()).collect();
         let (mut tables, mut shapes) = (Vec::new(), None);
-        for op in &self.tables {
+        for op in &used.tables {
             match op {
-                Op::Shape | Op::ShapeNumber => shapes = Some(inputs.shapes.clone()),
-                Op::Part => numbers.extend(inputs.parts.iter().map(|number| number.to_bits())),
-                Op::Spectrum => tables.push(inputs.spectrum.clone()),
-                Op::Waveform => tables.push(inputs.waveform.clone()),
-                Op::History => tables.push(inputs.history.clone()),
+                Op::Shape | Op::ShapeNumber => shapes = Some(frame.shapes.clone()),
+                Op::Part => numbers.extend(frame.parts.iter().map(|number| number.to_bits())),
+                Op::Spectrum => tables.push(frame.spectrum.clone()),
+                Op::Waveform => tables.push(frame.waveform.clone()),
+                Op::History => tables.push(frame.history.clone()),
                 op => {
-                    let levels = op.level_list().map_or(&[][..], |list| inputs.levels.of(list));
+                    let levels = op.level_list().map_or(&[][..], |list| frame.levels.of(list));
                     numbers.extend(levels.iter().map(|level| level.to_bits()));
                 }
             }
         }
-        RegionKey { numbers, tables, shapes }
+        Self { numbers, tables, shapes }
     }
 }
 
@@ -66,7 +55,7 @@ pub struct Formula {
     of_point: usize,
     /// Number of sampled textures. Textures have no coordinates here: they are sampled beforehand.
     textures: usize,
-    reads: Reads,
+    used: InputsUsed,
 }
 
 /// The resources that an interpreter needs to run the tapes of all frames.
@@ -99,7 +88,7 @@ impl Formula {
             tapes: vec![(0..roots.len()).collect()],
             of_point,
             textures,
-            reads: Reads::of(graph, roots),
+            used: graph.inputs_used(roots),
         }
     }
 
@@ -108,7 +97,7 @@ impl Formula {
     }
 
     pub(crate) fn key(&self, frame: &FrameInputs) -> RegionKey {
-        self.reads.key(frame)
+        RegionKey::of(&self.used, frame)
     }
 
     /// Returns the needs of the tapes. If values take too many registers, cheap nodes are repeated from now on.

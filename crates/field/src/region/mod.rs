@@ -61,7 +61,7 @@ mod tree;
 
 pub use encode::{Encoder, REGISTERS_MAX, Texel};
 pub use formula::{Formula, FrameTape, RegionKey};
-pub(crate) use formula::{Needs, Reads, compounds_that_pay};
+pub(crate) use formula::{Needs, compounds_that_pay};
 pub use medium::{MEDIUM_SIDE, MediumGrid, MediumPlan};
 pub use part::Part;
 #[cfg(test)]

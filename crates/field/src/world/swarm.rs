@@ -26,9 +26,9 @@ use std::ops::Range;
 
 use super::media::{AXES, facing};
 use crate::bounds::Bounds;
-use crate::graph::{FrameInputs, NodeId, Point};
+use crate::graph::{FrameInputs, InputsUsed, NodeId, Point};
 use crate::lang::{Scene, Swarm};
-use crate::region::{Reads, RegionKey};
+use crate::region::RegionKey;
 use crate::tape::{Batch, PointEvaluator, Points, Tape};
 use crate::vectors::{difference, dot, length, sum};
 
@@ -53,7 +53,7 @@ pub struct SwarmPlan {
     swarms: Vec<(usize, Tape)>,
     /// The ambient light along the axes.
     ambient: Tape,
-    reads: Reads,
+    used: InputsUsed,
     has_mirrors: bool,
 }
 
@@ -102,14 +102,14 @@ impl SwarmPlan {
         Some(Self {
             swarms: scene.swarms.iter().map(tape).collect(),
             ambient: Tape::new(&graph, &ambient),
-            reads: Reads::of(&graph, &all),
+            used: graph.inputs_used(&all),
             has_mirrors,
         })
     }
 
     /// Returns the inputs that determine a frame's points.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
-        self.reads.key(inputs)
+        RegionKey::of(&self.used, inputs)
     }
 
     /// Number of points of all swarms.
