@@ -37,10 +37,6 @@ pub const PROGRAMS_KEPT_MAX: usize = 4;
 pub const KEPT_PROGRAM_BYTES_MAX: usize = 1 << 24;
 /// Maximum size of all programs on disk, in bytes; the least recently used ones are deleted first.
 pub const PROGRAM_CACHE_BYTES_MAX: u64 = 1 << 26;
-/// Time after the start, in seconds, at which thumbnails of the folder's scenes are drawn in advance.
-pub const THUMBNAILS_AHEAD_AFTER: f64 = 20.0;
-/// Maximum number of thumbnails drawn in advance. Others are drawn when a list shows them.
-pub const THUMBNAILS_AHEAD_MAX: usize = 100;
 /// Maximum size of a song's structure on disk, in bytes (usually 30 KiB for each minute).
 pub const STRUCTURE_BYTES_MAX: usize = 1 << 24;
 /// Maximum number of song structures on disk; the least recently used ones are deleted first.

@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 
 use mariana_work::once;
 
-use super::panels::thumbnails_ahead_at;
 use super::{Interface, Playback, Session};
-use crate::clock;
 use crate::commands::{Files, Panel};
 use crate::scenes::{ImportedShader, SceneSource, import_shader, is_scene_file, is_shader_file};
 use crate::ui::file_browser::{FileBrowser, RememberedFolders};
@@ -86,7 +84,7 @@ impl Interface {
         let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
         let (shaders, music): (Vec<_>, Vec<_>) = music.into_iter().partition(|file| is_shader_file(file));
         if let Some(scene) = scenes.into_iter().next_back() {
-            self.show_file(playback, scene);
+            playback.scene.show_source(SceneSource::File(scene));
         } else if let Some(shader) = shaders.into_iter().next_back() {
             self.import_shader(playback, shader);
         }
@@ -118,17 +116,11 @@ impl Interface {
             Some(Ok(Ok(ImportedShader { scene, notes }))) => {
                 let words = [vec![format!("imported as {}", scene.display())], notes].concat();
                 playback.reports.answer(words.join("; "));
-                self.show_file(playback, scene);
+                playback.scene.show_source(SceneSource::File(scene));
             }
             Some(Ok(Err(error))) => playback.reports.answer(error.to_string()),
             Some(Err(_)) => playback.reports.answer("the shader could not be imported"),
             None => {}
         }
-    }
-
-    pub(super) fn show_file(&mut self, playback: &mut Playback, scene: PathBuf) {
-        playback.scene.show_source(SceneSource::File(scene));
-        // The file may be in another folder, whose thumbnails are not drawn yet.
-        self.thumbnails_ahead = Some(thumbnails_ahead_at(clock::now()));
     }
 }

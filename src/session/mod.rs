@@ -145,8 +145,6 @@ pub(crate) struct Interface {
     probing: inspecting::Probing,
     pub(super) typing_times: TypingTimes,
     thumbnails: Option<Thumbnails>,
-    /// Time at which to request thumbnails of the folder's scenes; `None` after the request.
-    thumbnails_ahead: Option<Instant>,
     lists: music_lists::MusicLists,
     folders: Folders,
     waker: Waker,

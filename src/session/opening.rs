@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use super::drawing::paint_waiting;
 use super::loading::FirstScene;
-use super::panels::thumbnails_ahead_at;
 use super::preview::Preview;
 use super::ui_state::UiState;
 use super::video_making::VideoMaking;
@@ -143,8 +142,7 @@ impl Opening {
             reports,
         };
         let videos = VideoMaking::start(Videos::start(&folders, waker.waking()));
-        let thumbnails_ahead = (!settings.wallpaper).then(|| thumbnails_ahead_at(now));
-        let interface = start_interface(overlay, drafts, folders, choices.hints, thumbnails_ahead, &waker);
+        let interface = start_interface(overlay, drafts, folders, choices.hints, &waker);
         let session = Session {
             playback,
             interface,
@@ -168,7 +166,6 @@ fn start_interface(
     drafts: Drafts,
     folders: Folders,
     hints: bool,
-    thumbnails_ahead: Option<Instant>,
     waker: &Waker,
 ) -> Interface {
     Interface {
@@ -182,7 +179,6 @@ fn start_interface(
         shader_import: Default::default(),
         typing_times: Default::default(),
         thumbnails: None,
-        thumbnails_ahead,
         lists: MusicLists::start(&folders, waker),
         folders,
         waker: waker.clone(),

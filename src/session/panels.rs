@@ -1,12 +1,9 @@
 //! The panels over the frame. They are plain values, which this module changes on key and pointer commands.
 
-use std::time::{Duration, Instant};
-
 use super::{Interface, Playback, Session};
 use crate::clock;
 use crate::commands::{Command, Panel, SetSetting};
 use crate::config::Setting;
-use crate::limits;
 use crate::thumbnails::Thumbnails;
 use crate::ui::controllers_panel::ControllersPanel;
 use crate::ui::corner_handles::CornerHandles;
@@ -16,10 +13,6 @@ use crate::ui::overlay::{Acts, PanelAct};
 use crate::ui::scene_browser::SceneBrowser;
 use crate::ui::settings_panel::SettingsPanel;
 use crate::ui::video_panel::VideoPanel;
-
-pub(super) fn thumbnails_ahead_at(now: Instant) -> Instant {
-    now + Duration::from_secs_f64(limits::THUMBNAILS_AHEAD_AFTER)
-}
 
 impl Session {
     pub(super) fn toggle_panel(&mut self, panel: Panel) {
@@ -143,24 +136,8 @@ impl Interface {
         self.thumbnails.as_mut()
     }
 
-    fn draw_thumbnails_ahead(&mut self, playback: &mut Playback) {
-        if self.thumbnails_ahead.take_if(|due| clock::now() >= *due).is_none() {
-            return;
-        }
-        let scenes = playback.scene.preparation.library.all_sources().into_iter();
-        let of_folder = scenes.filter(|source| source.file().is_some());
-        let of_folder: Vec<_> = of_folder.take(limits::THUMBNAILS_AHEAD_MAX).collect();
-        if of_folder.is_empty() {
-            return;
-        }
-        if let Some(thumbnails) = self.started_thumbnails() {
-            thumbnails.draw_ahead(of_folder.into_iter());
-        }
-    }
-
     /// Passes finished thumbnails to the scene list and the phones, and requests thumbnails that phones want.
     pub(super) fn update_thumbnails(&mut self, playback: &mut Playback) {
-        self.draw_thumbnails_ahead(playback);
         let wanted = playback.controllers.wanted_pictures();
         if !wanted.is_empty()
             && let Some(thumbnails) = self.started_thumbnails()

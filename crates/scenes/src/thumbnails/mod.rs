@@ -3,7 +3,7 @@
 //!
 //! A separate `mariana` process draws each thumbnail as a still, on one thread with the lowest priority, so that a
 //! slow scene or a crash of the driver does not affect the show. The newest request is answered first. Requests that
-//! need no drawing are answered while another scene is drawn. An idle thread draws scenes that the user may see next.
+//! need no drawing are answered while another scene is drawn.
 
 mod drawing;
 
@@ -22,8 +22,8 @@ use mariana_work::{Latest, Shared, latest};
 
 use crate::limits;
 use crate::{SceneSource, first_comment};
+use drawing::draw;
 pub use drawing::{LOOP_FRAMES, LOOP_RATE, LOOP_SIZE, shipped};
-use drawing::{NotDrawn, draw};
 use mariana_files::atomic_file::AtomicFile;
 use mariana_files::caches::make_room;
 use mariana_files::reading::read_at_most;
@@ -77,21 +77,14 @@ pub struct Thumbnails {
     looked: Receiver<Looked>,
 }
 
-#[derive(Debug, Default)]
-struct Waiting {
-    /// Requests that need an answer; the last entry is the newest.
-    asked: VecDeque<Request>,
-    /// Scenes to draw ahead; the first entry is drawn next.
-    ahead: VecDeque<SceneSource>,
-}
+/// Requests; the last entry is the newest.
+type Waiting = VecDeque<Request>;
 
 #[derive(Debug, Clone, PartialEq)]
 enum Request {
     Description(SceneSource),
     Picture(SceneSource),
     Motion(SceneSource),
-    /// Draw the thumbnail into the cache, without an answer.
-    Ahead(SceneSource),
 }
 
 impl Request {
@@ -100,23 +93,18 @@ impl Request {
         match self {
             Self::Description(_) | Self::Motion(_) => true,
             Self::Picture(source) => jpeg_shipped_with(source).is_some(),
-            Self::Ahead(_) => false,
         }
     }
 }
 
-impl Waiting {
-    /// Takes the newest quick request. Without one, takes the newest request, or else a scene to draw ahead.
-    fn pop(&mut self) -> Option<Request> {
-        self.pop_quick()
-            .or_else(|| self.asked.pop_back())
-            .or_else(|| self.ahead.pop_front().map(Request::Ahead))
-    }
+/// Takes the newest quick request. Without one, takes the newest request.
+fn pop(waiting: &mut Waiting) -> Option<Request> {
+    pop_quick(waiting).or_else(|| waiting.pop_back())
+}
 
-    fn pop_quick(&mut self) -> Option<Request> {
-        let newest = self.asked.iter().rposition(Request::is_quick)?;
-        self.asked.remove(newest)
-    }
+fn pop_quick(waiting: &mut Waiting) -> Option<Request> {
+    let newest = waiting.iter().rposition(Request::is_quick)?;
+    waiting.remove(newest)
 }
 
 impl Thumbnails {
@@ -136,36 +124,31 @@ impl Thumbnails {
             let (folder, program) = (folder.as_deref(), program.as_deref());
             Thumbnailer { requests, folder, program, answers: &answers, wake: &wake }.answer(request);
         };
-        let requests = latest("thumbnails", Waiting::default(), Waiting::pop, work)?;
+        let requests = latest("thumbnails", Waiting::new(), pop, work)?;
         Ok(Self { requests, looked })
     }
 
     /// Requests the descriptions of scenes.
     pub fn request_descriptions<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
         let requests = sources.rev().cloned().map(Request::Description);
-        self.requests.change(|waiting| waiting.asked.extend(requests));
+        self.requests.change(|waiting| waiting.extend(requests));
     }
 
     /// Requests the moving thumbnail of a scene.
     pub fn request_motion(&mut self, source: SceneSource) {
-        self.requests.change(|waiting| waiting.asked.push_back(Request::Motion(source)));
+        self.requests.change(|waiting| waiting.push_back(Request::Motion(source)));
     }
 
     /// Requests thumbnails in this order, before all earlier requests.
     pub fn request_pictures(&mut self, sources: Vec<SceneSource>) {
         let requests = sources.into_iter().rev().map(Request::Picture);
-        self.requests.change(|waiting| waiting.asked.extend(requests));
+        self.requests.change(|waiting| waiting.extend(requests));
     }
 
     /// Requests thumbnails in this order, after all other requests.
     pub fn request_pictures_later(&mut self, sources: Vec<SceneSource>) {
         let requests = sources.into_iter().map(Request::Picture);
-        self.requests.change(|waiting| requests.for_each(|request| waiting.asked.push_front(request)));
-    }
-
-    /// Fills the cache with thumbnails while there are no requests.
-    pub fn draw_ahead(&mut self, sources: impl Iterator<Item = SceneSource>) {
-        self.requests.change(|waiting| waiting.ahead.extend(sources));
+        self.requests.change(|waiting| requests.for_each(|request| waiting.push_front(request)));
     }
 
     /// Returns the next answer, if there is one.
@@ -189,7 +172,6 @@ impl Thumbnailer<'_> {
             Request::Description(source) => (source, About::Description(description_of(source))),
             Request::Motion(source) => (source, About::Motion(drawing::frames_of(source))),
             Request::Picture(source) => (source, self.picture_of(source)),
-            Request::Ahead(source) => return self.draw_ahead(source),
         };
         let _ = self.answers.send(Looked { source: source.clone(), about });
         (self.wake)();
@@ -199,7 +181,7 @@ impl Thumbnailer<'_> {
     fn answer_quick(&self) {
         loop {
             // Release the lock before answering.
-            let quick = self.requests.lock().pop_quick();
+            let quick = pop_quick(&mut self.requests.lock());
             let Some(quick) = quick else { return };
             self.answer(quick);
         }
@@ -227,34 +209,16 @@ impl Thumbnailer<'_> {
         if let Some(image) = kept.as_deref().and_then(|path| decode(&fs::read(path).ok()?).ok()) {
             return Ok(image);
         }
-        let bytes = self.drawn(source, || self.requests.is_over()).map_err(|error| error.to_string())?;
+        let bytes = draw(self.program, source, || {
+            self.answer_quick();
+            self.requests.is_over()
+        });
+        let bytes = bytes.map_err(|error| error.to_string())?;
         let image = decode(&bytes).map_err(|error| error.to_string())?;
         if let Some(path) = &kept {
             keep(path, &bytes);
         }
         Ok(image)
-    }
-
-    /// Draws a thumbnail into the cache. Any other request interrupts the drawing.
-    fn draw_ahead(&self, source: &SceneSource) {
-        let Ok(Some(path)) = self.path_of(source) else { return };
-        if path.exists() {
-            return;
-        }
-        let gives_way = || self.requests.is_over() || !self.requests.lock().asked.is_empty();
-        match self.drawn(source, gives_way) {
-            Ok(bytes) if decode(&bytes).is_ok() => keep(&path, &bytes),
-            Err(NotDrawn::Stopped) => self.requests.lock().ahead.push_front(source.clone()),
-            Ok(_) | Err(_) => {}
-        }
-    }
-
-    /// Draws a thumbnail and answers quick requests meanwhile.
-    fn drawn(&self, source: &SceneSource, is_stopped: impl Fn() -> bool) -> Result<Vec<u8>, NotDrawn> {
-        draw(self.program, source, || {
-            self.answer_quick();
-            is_stopped()
-        })
     }
 
     /// Returns the cache file of a scene's thumbnail; `None` without a cache folder.
@@ -377,14 +341,12 @@ mod tests {
         let file = |name: &str| SceneSource::File(name.into());
         let orb = SceneSource::Shipped("orb".into());
         let mut waiting = Waiting::default();
-        waiting.ahead.extend([file("c"), file("d")]);
-        waiting.asked.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
-        waiting.asked.extend([Request::Description(file("a")), Request::Picture(file("b"))]);
-        let quick: Vec<_> = std::iter::from_fn(|| waiting.pop_quick()).collect();
+        waiting.extend([Request::Picture(file("a")), Request::Picture(orb.clone())]);
+        waiting.extend([Request::Description(file("a")), Request::Picture(file("b"))]);
+        let quick: Vec<_> = std::iter::from_fn(|| pop_quick(&mut waiting)).collect();
         assert_eq!(quick, [Request::Description(file("a")), Request::Picture(orb)]);
-        let slow: Vec<_> = std::iter::from_fn(|| waiting.pop()).collect();
-        let asked = [file("b"), file("a")].map(Request::Picture);
-        assert_eq!(slow, [asked, [file("c"), file("d")].map(Request::Ahead)].concat());
+        let slow: Vec<_> = std::iter::from_fn(|| pop(&mut waiting)).collect();
+        assert_eq!(slow, [file("b"), file("a")].map(Request::Picture));
     }
 
     #[test]
