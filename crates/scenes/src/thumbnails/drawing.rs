@@ -20,28 +20,16 @@ const INTERVAL: Duration = Duration::from_millis(20);
 const CHILD_LIMITS: ChildLimits =
     ChildLimits { memory: Some(4 << 30), cpu_seconds: Some(300), file: Some(1 << 30) };
 
-#[derive(Debug, thiserror::Error)]
-pub(super) enum NotDrawn {
-    #[error("the thumbnail cannot be drawn ({0})")]
-    System(#[from] io::Error),
-    #[error("the thumbnail cannot be drawn")]
-    Failed,
-    #[error("drawing the thumbnail takes more than {} s", limits::THUMBNAIL_SECONDS_MAX)]
-    TooSlow,
-    #[error("")]
-    Stopped,
-}
-
 /// Draws the thumbnail of a scene in a separate process and returns the bytes of a PNG. The process runs `program`,
 /// or the running executable if that is `None`. Polls `is_stopped` and ends the process when it returns true.
 ///
 /// # Errors
-/// Fails with a [`NotDrawn`].
+/// Fails with a reason.
 pub(super) fn draw(
     program: Option<&Path>,
     source: &SceneSource,
     mut is_stopped: impl FnMut() -> bool,
-) -> Result<Vec<u8>, NotDrawn> {
+) -> io::Result<Vec<u8>> {
     let place = tempfile::tempdir()?;
     let file = place.path().join("picture.png");
     let scene = match source {
@@ -63,10 +51,10 @@ pub(super) fn draw(
     let until = Instant::now() + Duration::from_secs_f64(limits::THUMBNAIL_SECONDS_MAX);
     loop {
         match child.ended()? {
-            Some(status) if status.success() => return Ok(fs::read(&file)?),
-            Some(_) => return Err(NotDrawn::Failed),
-            None if is_stopped() => return Err(NotDrawn::Stopped),
-            None if Instant::now() > until => return Err(NotDrawn::TooSlow),
+            Some(status) if status.success() => return fs::read(&file),
+            Some(status) => return Err(io::Error::other(status.to_string())),
+            None if is_stopped() => return Err(io::ErrorKind::Interrupted.into()),
+            None if Instant::now() > until => return Err(io::ErrorKind::TimedOut.into()),
             None => std::thread::sleep(INTERVAL),
         }
     }

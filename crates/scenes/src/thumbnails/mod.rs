@@ -213,7 +213,7 @@ impl Thumbnailer<'_> {
             self.answer_quick();
             self.requests.is_over()
         });
-        let bytes = bytes.map_err(|error| error.to_string())?;
+        let bytes = bytes.map_err(|error| format!("the thumbnail cannot be drawn ({error})"))?;
         let image = decode(&bytes).map_err(|error| error.to_string())?;
         if let Some(path) = &kept {
             keep(path, &bytes);
