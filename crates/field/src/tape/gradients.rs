@@ -45,15 +45,6 @@ struct Values<'a> {
     by_b: [f32; LANES],
 }
 
-impl<'a> Values<'a> {
-    #[inline(always)]
-    fn of(op: Op, a: &'a [f32; LANES], b: &'a [f32; LANES], frame: &'a FrameInputs) -> Self {
-        let mut values = Self { a, b, frame, value: [0.0; LANES], by_a: [0.0; LANES], by_b: [0.0; LANES] };
-        op.with_slopes(&mut values);
-        values
-    }
-}
-
 impl DualKernel for Values<'_> {
     #[inline(always)]
     fn run(
@@ -80,7 +71,10 @@ impl Domain for Lanes<'_> {
         Duals { value: self.inputs[place], gradient }
     }
     fn operator(&mut self, op: Op, a: &Duals, b: &Duals) -> Duals {
-        let Values { value, by_a, by_b, .. } = Values::of(op, &a.value, &b.value, self.frame);
+        let (frame, zero) = (self.frame, [0.0; LANES]);
+        let mut values = Values { a: &a.value, b: &b.value, frame, value: zero, by_a: zero, by_b: zero };
+        op.with_slopes(&mut values);
+        let Values { value, by_a, by_b, .. } = values;
         let mut duals = Duals { value, ..Duals::ZERO };
         for ((part, of_a), of_b) in duals.gradient.iter_mut().zip(&a.gradient).zip(&b.gradient) {
             for lane in 0..LANES {

@@ -71,22 +71,14 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> (Graph, Roots, Hoisted) {
     let mut moved = vec![NodeId::default(); graph.len()];
     // Shaders know no motions, so these come first: there are fewer of them than places.
     let is_motion = |id: NodeId| matches!(graph.node(id), Node::Input(Input::Motion(_)));
-    for &id in order.iter().filter(|id| is_motion(**id)) {
-        if is_read[id.index()] {
+    let (motions, others): (Vec<NodeId>, Vec<NodeId>) = order.into_iter().partition(|id| is_motion(*id));
+    for id in motions.into_iter().chain(others) {
+        let hoistable = of_frame[id.index()] && is_read[id.index()];
+        let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_)) || is_motion(id);
+        if hoistable && computed && hoisted.len() < LIMITS.hoisted_max {
             moved[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
             hoisted.push(id);
-        }
-    }
-    for &id in &order {
-        if is_motion(id) {
-            continue;
-        }
-        let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_));
-        let hoistable = computed && of_frame[id.index()] && is_read[id.index()];
-        if hoistable && hoisted.len() < LIMITS.hoisted_max {
-            moved[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
-            hoisted.push(id);
-        } else {
+        } else if !is_motion(id) {
             copy(graph, id, &mut rest, &mut moved);
         }
     }

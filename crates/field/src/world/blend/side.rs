@@ -258,15 +258,10 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
 fn of_slope_1(graph: &mut Graph, plane: NodeId) -> NodeId {
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     let origin = at(graph, plane, [zero; 3]);
-    let mut slopes = [zero; 3];
-    for (axis, slope) in slopes.iter_mut().enumerate() {
-        let mut place = [zero; 3];
-        if let Some(part) = place.get_mut(axis) {
-            *part = one;
-        }
+    let slopes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(|place| {
         let there = at(graph, plane, place);
-        *slope = graph.sub(there, origin);
-    }
+        graph.sub(there, origin)
+    });
     let slope = graph.length(&slopes);
     graph.div(plane, slope)
 }
