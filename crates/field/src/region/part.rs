@@ -152,14 +152,8 @@ impl<'a> Part<'a> {
                 if own.is_empty() {
                     continue;
                 }
-                root.decisions.shortened(
-                    &trunk.program,
-                    &root.rows,
-                    group,
-                    trunk.frame,
-                    &mut self.scratch,
-                    &mut level.short,
-                );
+                let (scratch, short) = (&mut self.scratch, &mut level.short);
+                root.decisions.shortened(&trunk.program, &root.rows, group, trunk.frame, scratch, short);
                 level.structure.analyse(&level.short);
                 for cell in own {
                     if !is_wanted() {
@@ -257,14 +251,8 @@ impl<'a> Part<'a> {
         // before its length is known.
         for index in 0..level.groups.len() {
             let group = level.groups[index];
-            level.decisions.shortened(
-                program,
-                &level.rows,
-                group,
-                trunk.frame,
-                &mut self.scratch,
-                &mut level.short,
-            );
+            let (scratch, short) = (&mut self.scratch, &mut level.short);
+            level.decisions.shortened(program, &level.rows, group, trunk.frame, scratch, short);
             if group & near == 0 {
                 level.short.roots[OBJECT] = Arg::Number(f32::NAN);
             }

@@ -124,12 +124,8 @@ impl Variant {
         for (whose, (operators, compounds)) in [("region", region), ("tape", tape)] {
             let (rare, common): (Vec<Op>, Vec<Op>) =
                 operators.iter().partition(|op| self.every_case && is_rare(**op));
-            self.write_function(
-                &mut text,
-                whose,
-                "common",
-                common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound)),
-            );
+            let common = common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound));
+            self.write_function(&mut text, whose, "common", common);
             if self.every_case {
                 self.write_function(&mut text, whose, "rare", rare.iter().copied().map(Case::of));
                 let numbers: Vec<String> =

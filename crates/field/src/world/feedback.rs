@@ -180,11 +180,8 @@ impl World {
         let textures = &self.scene.textures;
         let (number, texture) = textures.iter().enumerate().find(|(_, texture)| texture.is_last_frame())?;
         let count = self.frame_tape.feedback.as_ref()?.frames;
-        let emission = FeedbackColor::new(
-            self,
-            number,
-            self.scene.materials.iter().flat_map(|material| material.emission),
-        );
+        let emitted = self.scene.materials.iter().flat_map(|material| material.emission);
+        let emission = FeedbackColor::new(self, number, emitted);
         let sky = FeedbackColor::new(self, number, self.scene.sky.color);
         let middle = |number: u16, of: u16| (f32::from(number) + 0.5) / f32::from(of);
         let (columns, rows) = TRIED;
