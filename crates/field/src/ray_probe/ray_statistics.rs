@@ -71,11 +71,10 @@ impl ObjectCost {
         if known.is_none() {
             self.parts.push(PartCost { written, rays: 0, evaluations: 0, run: 0 });
         }
-        if let Some(part) = self.parts.get_mut(place) {
-            part.rays += 1;
-            part.evaluations += u64::from(traced.evaluations);
-            part.run += traced.clauses;
-        }
+        let part = &mut self.parts[place];
+        part.rays += 1;
+        part.evaluations += u64::from(traced.evaluations);
+        part.run += traced.clauses;
     }
 }
 

@@ -201,9 +201,8 @@ impl<'a> Part<'a> {
                 }
             }
             for head in &self.written.heads {
-                if let Some(head) = self.written.texels.get_mut(*head) {
-                    head[0] = moved(head[0]);
-                }
+                let head = &mut self.written.texels[*head];
+                head[0] = moved(head[0]);
             }
         }
         (self.blocks, self.written.texels, self.stats)
@@ -279,9 +278,7 @@ impl<'a> Part<'a> {
                 }
             }
         }
-        if let Some(kept) = self.levels.get_mut(depth) {
-            *kept = level;
-        }
+        self.levels[depth] = level;
         cells
     }
 

@@ -31,9 +31,7 @@ impl ShortLives {
         };
         for (position, node) in nodes {
             let cost = lives.cost(*node);
-            if let Some(source) = lives.sources.get_mut(*position) {
-                *source = (*node, cost);
-            }
+            lives.sources[*position] = (*node, cost);
             let node = node.with_operands(|id| lives.operand(id));
             lives.append(*position, *position, node);
         }
@@ -41,16 +39,15 @@ impl ShortLives {
     }
 
     pub(super) fn position(&self, old: usize) -> usize {
-        self.newest.get(old).map_or(old, |(position, _)| *position)
+        self.newest[old].0
     }
 
     /// Returns the number of operations of a node; 0 for numbers, including the frame's, and for inputs of the point.
     fn cost(&self, node: Node) -> u32 {
-        let of = |id: NodeId| self.sources.get(id.index()).map_or(0, |(_, cost)| *cost);
-        let is_point = |id: NodeId| match self.sources.get(id.index()) {
-            Some((Node::Input(input), _)) => input.of_point().is_some(),
-            Some((_, cost)) => *cost > 0,
-            None => false,
+        let of = |id: NodeId| self.sources[id.index()].1;
+        let is_point = |id: NodeId| match self.sources[id.index()] {
+            (Node::Input(input), _) => input.of_point().is_some(),
+            (_, cost) => cost > 0,
         };
         match node {
             Node::Constant(_) | Node::Input(_) | Node::Texture { .. } => 0,
@@ -61,9 +58,7 @@ impl ShortLives {
     }
 
     fn append(&mut self, old: usize, position: usize, node: Node) {
-        if let Some(newest) = self.newest.get_mut(old) {
-            *newest = (position, self.nodes.len());
-        }
+        self.newest[old] = (position, self.nodes.len());
         self.nodes.push((position, node));
     }
 
@@ -71,10 +66,7 @@ impl ShortLives {
     /// Recurses less than [`COST_MAX`] deep.
     fn operand(&mut self, id: NodeId) -> NodeId {
         let old = id.index();
-        let (Some(&(position, at)), Some(&(node, cost))) = (self.newest.get(old), self.sources.get(old))
-        else {
-            return id;
-        };
+        let ((position, at), (node, cost)) = (self.newest[old], self.sources[old]);
         if cost == 0 || cost > COST_MAX || self.nodes.len() - at <= REACH {
             return NodeId::at(position);
         }

@@ -368,9 +368,7 @@ pub(super) fn bound_cells(
             row.hi[cell] = block.low[axis] + (along + 1.0) * block.cell[axis] + overlap;
         }
     }
-    if let Some(row) = rows.get_mut(3) {
-        *row = Lanes::splat(Interval { lo: 0.0, hi: PENUMBRA_MAX });
-    }
+    rows[3] = Lanes::splat(Interval { lo: 0.0, hi: PENUMBRA_MAX });
     bound(program, rows, frame);
 }
 

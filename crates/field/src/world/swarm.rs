@@ -302,9 +302,7 @@ impl Tree {
             bounds.hull(&self.add(b), 0.0)
         };
         let ([x, y, z], [hx, hy, hz], next) = (bounds.low, bounds.high, self.nodes.len() as f32);
-        if let Some(node) = self.nodes.get_mut(number) {
-            *node = [[x, y, z, next], [hx, hy, hz, point as f32]];
-        }
+        self.nodes[number] = [[x, y, z, next], [hx, hy, hz, point as f32]];
         bounds
     }
 }
@@ -483,10 +481,8 @@ pub(super) fn append_tiles(
             for row in rows {
                 for column in across.clone() {
                     let list = 2 * (row * columns + column) + usize::from(outline.is_faint);
-                    if let Some(place) = lists.get_mut(list) {
-                        put(*place, outline, [column, row]);
-                        *place += 1;
-                    }
+                    put(lists[list], outline, [column, row]);
+                    lists[list] += 1;
                 }
             }
         }
@@ -501,10 +497,8 @@ pub(super) fn append_tiles(
     texels.extend(tiles.map(|([balls, faint], end)| [*balls as f32, *faint as f32, end as f32, 0.0]));
     texels.resize(end, [0.0; 4]);
     each(&mut lists, &mut |place, outline, tile| {
-        if let Some(entry) = texels.get_mut(place) {
-            let [x, y] = [0, 1].map(|axis| packed(outline, axis, tile[axis], grid.side));
-            *entry = [x, y, outline.near, outline.texel as f32];
-        }
+        let [x, y] = [0, 1].map(|axis| packed(outline, axis, tile[axis], grid.side));
+        texels[place] = [x, y, outline.near, outline.texel as f32];
     });
     [first, grid.side as usize, columns]
 }

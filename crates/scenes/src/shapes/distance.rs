@@ -77,7 +77,7 @@ fn flatten_patch(values: &mut [f32], columns: usize, lower: usize) -> bool {
         return false;
     }
     let places = [lower, lower + 1, lower + columns, lower + columns + 1];
-    let [a, b, c, d] = places.map(|at| values.get(at).copied().unwrap_or_default());
+    let [a, b, c, d] = places.map(|at| values[at]);
     let across = (b - a).abs().max((d - c).abs());
     let up = (c - a).abs().max((d - b).abs());
     let steepest = across.hypot(up);
@@ -86,9 +86,7 @@ fn flatten_patch(values: &mut [f32], columns: usize, lower: usize) -> bool {
     }
     let mean = 0.25 * (a + b + c + d);
     for (place, value) in places.into_iter().zip([a, b, c, d]) {
-        if let Some(stored) = values.get_mut(place) {
-            *stored = mean + (value - mean) / steepest;
-        }
+        values[place] = mean + (value - mean) / steepest;
     }
     true
 }
@@ -131,7 +129,7 @@ impl Envelope {
     fn along(&mut self, values: &mut [f32], places: impl Iterator<Item = usize> + Clone) {
         self.roots.clear();
         for (at, place) in places.clone().enumerate() {
-            let seed = values.get(place).copied().unwrap_or(FAR);
+            let seed = values[place];
             if seed >= FAR {
                 continue;
             }
@@ -158,9 +156,7 @@ impl Envelope {
                 .map_or(FAR, |(root, seed, _)| ((at as f64 - root) * (at as f64 - root) + seed) as f32);
         }
         for (place, value) in places.zip(&self.line) {
-            if let Some(stored) = values.get_mut(place) {
-                *stored = *value;
-            }
+            values[place] = *value;
         }
     }
 }

@@ -61,9 +61,9 @@ impl Side {
         let in_sky = Own { point: position(graph), ..own.turned(graph, alignment) };
         let in_sky =
             copied_roots(graph, &scene.graph, &scene.sky.color, before, &|input| in_sky.value(input));
-        let color = scene.sky.color.map(|id| at_index(&in_sky, id));
-        let at = |id: NodeId| at_index(&moved, id);
-        let on_surface = |id: NodeId| at_index(&turned, id);
+        let color = scene.sky.color.map(|id| in_sky[id.index()]);
+        let at = |id: NodeId| moved[id.index()];
+        let on_surface = |id: NodeId| turned[id.index()];
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
         let planes = planes.iter().map(|plane| of_slope_1(graph, at(plane.shape))).collect();
         let rest = rest.map(|rest| {
@@ -135,7 +135,7 @@ fn swarms(graph: &mut Graph, scene: &Scene, before: Before, alignment: &Alignmen
     let own = Own { point: position(graph), ..Own::of(graph, alignment) };
     let copies = copied_roots(graph, &scene.graph, &roots, before, &|input| own.value(input));
     let copied = scene.swarms.iter().map(|swarm| {
-        let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| at_index(&copies, id)));
+        let own = Swarm::of(swarm.points, swarm.numbers().into_iter().map(|id| copies[id.index()]));
         let position = alignment.common_point(graph, own.position);
         let stretch = alignment.common_direction(graph, own.stretch);
         Swarm { position, stretch, ..own }
@@ -181,7 +181,7 @@ pub(super) fn copied_at(
     place: Vector,
 ) -> NodeId {
     let value = |input: Input| place.get(input.of_point()?).copied();
-    at_index(&copied_roots(graph, from, &[root], before, &value), root)
+    copied_roots(graph, from, &[root], before, &value)[root.index()]
 }
 
 /// Copies the roots and their operands. Returns the copies by the index of their nodes.
@@ -209,7 +209,7 @@ fn copied(
 ) -> Vec<NodeId> {
     let mut moved = vec![NodeId::default(); from.len()];
     for id in order {
-        let at = |id: NodeId| at_index(&moved, id);
+        let at = |id: NodeId| moved[id.index()];
         let copy = match from.node(id) {
             Node::Constant(value) => graph.constant(value),
             Node::Input(Input::Param(number)) => graph.input(Input::Param(number + before.params as u16)),
@@ -231,9 +231,7 @@ fn copied(
                 graph.texture(texture + before.textures as u16, channel, at(u), at(v))
             }
         };
-        if let Some(place) = moved.get_mut(id.index()) {
-            *place = copy;
-        }
+        moved[id.index()] = copy;
     }
     moved
 }
@@ -248,10 +246,6 @@ pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> NodeId {
     let moved = graph
         .with_inputs(&[value], |_, input| input.of_point().map(|at| place.get(at).copied().unwrap_or(zero)));
     moved.first().copied().unwrap_or_default()
-}
-
-fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
-    moved.get(id.index()).copied().unwrap_or_default()
 }
 
 /// Divides a plane by its slope, so that the value is comparable to a distance.
