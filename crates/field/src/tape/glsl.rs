@@ -262,9 +262,7 @@ impl<'a> Writer<'a> {
 
     /// Writes a loop. Values that the next round or a later statement reads are in variables outside of the loop.
     fn rounds(&mut self, rounds: &Rounds) {
-        let kept_name = |offset: usize| {
-            rounds.steps.get(offset).map_or_else(String::new, |step| format!("k{}", step.id.index()))
-        };
+        let kept_name = |offset: usize| format!("k{}", rounds.steps[offset].id.index());
         for (offset, step) in rounds.steps.iter().enumerate().filter(|(_, step)| step.is_kept) {
             let _ = writeln!(self.text, "    float {} = {};", kept_name(offset), self.operand(step.before));
         }
@@ -280,31 +278,25 @@ impl<'a> Writer<'a> {
             let _ = writeln!(self.text, "    if ({} != 0.0) break;", kept_name(condition));
         }
         for step in rounds.steps.iter().filter(|step| step.is_computed) {
+            let unknown = |text: String| Operand { text, number: None, is_square: false };
             let operand = |source: Source| match source {
-                Source::Here(of) => rounds.steps.get(of).map(|of| self.operand_of(of.id)),
-                Source::Fixed(id) => Some(self.operand_of(id)),
-                Source::Before(of) => Some(Operand { text: kept_name(of), number: None, is_square: false }),
-                Source::Known(value) => {
-                    Some(Operand { text: literal(value), number: Some(value), is_square: false })
-                }
+                Source::Here(of) => self.operand_of(rounds.steps[of].id),
+                Source::Fixed(id) => self.operand_of(id),
+                Source::Before(of) => unknown(kept_name(of)),
+                Source::Known(value) => Operand { number: Some(value), ..unknown(literal(value)) },
                 Source::Counted { first, step } => {
-                    let text = format!("({} + {} * float(i))", literal(first), literal(step));
-                    Some(Operand { text, number: None, is_square: false })
+                    unknown(format!("({} + {} * float(i))", literal(first), literal(step)))
                 }
-                Source::Listed(list) => {
-                    Some(Operand { text: format!("{}[i]", list_name(list)), number: None, is_square: false })
-                }
+                Source::Listed(list) => unknown(format!("{}[i]", list_name(list))),
             };
             match step.formula {
-                Formula::Operation(op, [a, b]) => {
-                    if let (Some(a), Some(b)) = (operand(a), operand(b)) {
-                        self.operation(step.id, op, &[a, b]);
-                    }
+                Formula::Operation(op, operands) => {
+                    let operands = operands.map(operand);
+                    self.operation(step.id, op, &operands);
                 }
                 Formula::Copy(source) => {
-                    if let Some(source) = operand(source) {
-                        let _ = writeln!(self.text, "    float v{} = {};", step.id.index(), source.text);
-                    }
+                    let source = operand(source).text;
+                    let _ = writeln!(self.text, "    float v{} = {source};", step.id.index());
                 }
             }
         }

@@ -213,10 +213,10 @@ fn copied(
         let copy = match from.node(id) {
             Node::Constant(value) => graph.constant(value),
             Node::Input(Input::Param(number)) => graph.input(Input::Param(number + before.params as u16)),
-            Node::Input(input @ Input::Motion(number)) => match from.motions().get(usize::from(number)) {
-                Some(motion) => graph.motion(Motion { operands: motion.operands.map(at), ..*motion }),
-                None => graph.input(input),
-            },
+            Node::Input(Input::Motion(number)) => {
+                let motion = from.motions()[usize::from(number)];
+                graph.motion(Motion { operands: motion.operands.map(at), ..motion })
+            }
             Node::Input(input) => value(input).unwrap_or_else(|| graph.input(input)),
             Node::Unary(Op::ShapeNumber, a) => {
                 let own = at(a);
