@@ -43,7 +43,7 @@ pub(crate) use motion::MotionState;
 pub use motion::{Motion, MotionKind};
 pub use node::{Input, Node, NodeId};
 pub use numbers::{CELL_HASH_GLSL, CELL_MAX, SMALLEST, TANH_MAX, cell_hash};
-pub use op::{Choice, DualKernel, FIRST_BINARY, Kernel, Op, Properties};
+pub use op::{DualKernel, FIRST_BINARY, Kernel, Op, Properties};
 pub use order::InputsUsed;
 pub use part::{PartInput, PartNumber, SongPart};
 pub use screen_input::{Screen, ScreenInput};

@@ -45,7 +45,7 @@ impl Properties {
     pub const READS_FRAME: Self = Self(8);
     /// The operator costs several times as much as an addition. Its clause is always the second of the two in a texel.
     pub const EXPENSIVE: Self = Self(32);
-    /// In some boxes the value always equals the same operand, so the other operand can be dropped ([`Op::choice`]).
+    /// In some boxes the value always equals the same operand, so the other operand can be dropped.
     pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
@@ -387,13 +387,13 @@ operators! {
     Min = 68 "MIN" P::COMMUTATIVE.and(P::CHOOSES),
         value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
         slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
-        slope_bounds |a, b, _, _| slopes::chosen(Op::Min, a, b),
+        slope_bounds |a, b, _, _| slopes::min(a, b),
         glsl "min($a, $b)";
     /// The larger operand.
     Max = 69 "MAX" P::COMMUTATIVE.and(P::CHOOSES),
         value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
-        slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
+        slope_bounds |a, b, _, _| slopes::min(b, a),
         glsl "max($a, $b)";
     /// GLSL's mod: a - b * floor(a / b), or a where b is 0. The result has the sign of b.
     Mod = 70 "MOD" P::NONE,
@@ -433,7 +433,7 @@ operators! {
     Mask = 77 "MASK" P::CHOOSES,
         value |a, b, _| if a == 0.0 { 0.0 } else { b }, bounds |a, b, _| rules::mask(a, b),
         slopes |a, _, _, _| (0.0, truth(a != 0.0)),
-        slope_bounds |a, b, _, _| slopes::chosen(Op::Mask, a, b),
+        slope_bounds |a, _, _, _| (Interval::point(0.0), rules::truth(!a.has_zero(), rules::is_zero(a))),
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A pseudo-random number in 0..1, a multiple of 2^-24, for the cell (floor(a), floor(b)); see [`cell_hash`].
     Hash = 78 "HASH" P::NEVER_NEGATIVE.and(P::EXPENSIVE),
@@ -541,43 +541,9 @@ impl Op {
             other => other.glsl(),
         }
     }
-}
 
-// The operand that a minimum, maximum or mask chooses everywhere in an interval. Pruning removes the other operand.
-
-/// The operand that an operator chooses everywhere in an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum Choice {
-    /// Unknown: either operand may be the value.
-    #[default]
-    Both,
-    /// The value is operand a everywhere. For MASK, the value is 0 everywhere.
-    Left,
-    /// The value is operand b everywhere.
-    Right,
-}
-
-impl Op {
-    /// True if [`Op::choice`] can return [`Choice::Left`] or [`Choice::Right`].
+    /// True for minima, maxima and masks ([`Properties::CHOOSES`]).
     pub const fn chooses(self) -> bool {
         self.properties().has(Properties::CHOOSES)
-    }
-
-    /// Returns the operand that the operator chooses for all values in `a` and `b`. Returns [`Choice::Both`] if the
-    /// choice depends on the values, or if an operand of a minimum or maximum may be a NaN.
-    #[inline]
-    pub fn choice(self, a: Interval, b: Interval) -> Choice {
-        let (left, right) = match self {
-            Op::Min => (a.hi <= b.lo, b.hi <= a.lo),
-            Op::Max => (a.lo >= b.hi, b.lo >= a.hi),
-            Op::Mask => (rules::is_zero(a), !a.has_zero()),
-            _ => (false, false),
-        };
-        match (left, right) {
-            (true, _) => Choice::Left,
-            (_, true) => Choice::Right,
-            _ => Choice::Both,
-        }
     }
 }

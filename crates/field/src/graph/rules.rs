@@ -152,7 +152,7 @@ pub(super) fn tanh(a: Interval) -> Interval {
 
 /// 1 if the condition is always true, 0 if it is never true, else 0..1.
 #[inline(always)]
-fn truth(surely: bool, never: bool) -> Interval {
+pub(super) fn truth(surely: bool, never: bool) -> Interval {
     if surely {
         Interval::point(1.0)
     } else if never {

@@ -11,7 +11,6 @@
 
 use super::interval::Interval;
 use super::numbers::SMALLEST;
-use super::op::{Choice, Op};
 use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
@@ -141,18 +140,12 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// Returns the slopes of an operator that chooses an operand. The slopes are unknown if either operand may be chosen or
-/// if the operands' intervals touch.
+/// Returns the slopes of the smaller of two operands. They are unknown if either operand may be the smaller one or if
+/// the operands' intervals touch.
 #[inline(always)]
-pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
-    match op.choice(a, b) {
-        _ if op != Op::Mask && (a.lo == b.hi || a.hi == b.lo) => (Interval::UNIT, Interval::UNIT),
-        Choice::Left if op == Op::Mask => constant(0.0, 0.0),
-        Choice::Left => constant(1.0, 0.0),
-        Choice::Right => constant(0.0, 1.0),
-        Choice::Both if op == Op::Mask => (ZERO, Interval::UNIT),
-        Choice::Both => (Interval::UNIT, Interval::UNIT),
-    }
+pub(super) fn min(a: Interval, b: Interval) -> (Interval, Interval) {
+    let (a_is_less, b_is_less) = (a.hi < b.lo, b.hi < a.lo);
+    (rules::truth(a_is_less, b_is_less), rules::truth(b_is_less, a_is_less))
 }
 
 /// Up to this exponent b, the slope of a power is computed in two ways: as b * power / base, and as b * base^(b - 1).

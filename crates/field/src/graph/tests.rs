@@ -58,11 +58,13 @@ proptest! {
             }
             let value = op.value(x, y, &frame);
             prop_assert!(bounds.contains(value), "{} of {x:?}, {y:?} is {value:?}, not in {bounds:?}", op.name());
-            let chosen = match op.choice(a, b) {
-                Choice::Both => continue,
-                Choice::Left if op == Op::Mask => 0.0,
-                Choice::Left => x,
-                Choice::Right => y,
+            let (by_a, by_b) = op.slope_bounds(a, b, bounds, &frame);
+            let chosen = match (by_a.lo == 1.0, by_b.lo == 1.0, by_b.hi == 0.0) {
+                _ if !op.chooses() => continue,
+                (true, ..) => x,
+                (_, true, _) => y,
+                (.., true) => 0.0,
+                _ => continue,
             };
             prop_assert!(value == chosen, "{} of {a:?}, {b:?} chose {chosen:?}, not {value:?}", op.name());
         }
