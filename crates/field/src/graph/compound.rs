@@ -9,6 +9,7 @@
 //! longer on Vega GPUs and 5 % longer on Xe GPUs, without additional GPU registers.
 
 use std::cell::RefCell;
+use std::cmp::Reverse;
 use std::fmt::Write as _;
 
 use super::Graph;
@@ -315,35 +316,21 @@ struct Bound {
     quarter: Option<f32>,
 }
 
-/// For each operator number, the compounds that may end with that operator.
-const ROOTED: [u32; 128] = {
-    let mut rooted = [0; 128];
+/// For each operator number, the compounds that may end with that operator, and those in which it may be the first part
+/// among the operands of the last part. Every compound has a part there.
+const LAST_AND_BEFORE: [[u32; 128]; 2] = {
+    let [mut last, mut before] = [[0; 128]; 2];
     let mut place = 0;
     while place < Compound::ALL.len() {
         let parts = Compound::ALL[place].parts();
-        insert(&mut rooted, parts[parts.len() - 1].op, Compound::ALL[place]);
-        place += 1;
-    }
-    rooted
-};
-
-/// For each operator number, the compounds in which that operator may be an operand of the last part. Every compound
-/// has such an operand.
-const BEFORE_LAST: [u32; 128] = {
-    let mut before = [0; 128];
-    let mut place = 0;
-    while place < Compound::ALL.len() {
-        let parts = Compound::ALL[place].parts();
-        let Part { a, b, .. } = parts[parts.len() - 1];
-        if let Reads::Part(earlier) = a {
-            insert(&mut before, parts[earlier].op, Compound::ALL[place]);
-        }
-        if let Reads::Part(earlier) = b {
+        let Part { op, a, b } = parts[parts.len() - 1];
+        insert(&mut last, op, Compound::ALL[place]);
+        if let (Reads::Part(earlier), _) | (_, Reads::Part(earlier)) = (a, b) {
             insert(&mut before, parts[earlier].op, Compound::ALL[place]);
         }
         place += 1;
     }
-    before
+    [last, before]
 };
 
 const fn insert(table: &mut [u32; 128], op: Op, compound: Compound) {
@@ -360,46 +347,32 @@ impl Compounds {
     /// the operation of a value that is read exactly once.
     #[inline]
     pub(crate) fn find(self, own: impl Fn(u32) -> Option<Operation>, last: Operation) -> Option<Found> {
+        let [rooted, before_last] = &LAST_AND_BEFORE;
         let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
-        let rooted = self.0 & by_op(&ROOTED, last.op);
+        let rooted = self.0 & by_op(rooted, last.op);
         if rooted == 0 {
             return None;
         }
         let before = |operand: Arg| match operand {
-            Arg::Value(value) => own(value).map_or(0, |operation| by_op(&BEFORE_LAST, operation.op)),
+            Arg::Value(value) => own(value).map_or(0, |operation| by_op(before_last, operation.op)),
             Arg::Number(_) => 0,
         };
         let candidates = rooted & (before(last.a) | before(last.b));
-        if candidates == 0 { None } else { find_among(candidates, &own, last) }
+        if candidates == 0 { None } else { Self(candidates).find_among(&own, last) }
     }
-}
 
-fn find_among(
-    mut candidates: u32,
-    own: &impl Fn(u32) -> Option<Operation>,
-    last: Operation,
-) -> Option<Found> {
-    let mut best: Option<Found> = None;
-    while candidates != 0 {
-        let number = FIRST_COMPOUND + candidates.trailing_zeros() as u8;
-        candidates &= candidates - 1;
-        let Some(compound) = Compound::from_number(number) else { continue };
-        if best.is_some_and(|best| best.compound.operators() >= compound.operators()) {
-            continue;
-        }
-        let parts = compound.parts();
-        let mut bound = Bound::default();
-        if !fit(own, parts, parts.len() - 1, last, false, &mut bound) {
-            continue;
-        }
-        let c = bound.c.unwrap_or(0.0);
-        let (Some(a), quarter) = (bound.a, bound.quarter) else { continue };
-        if quarter.is_some_and(|quarter| quarter != 0.25 / c) {
-            continue;
-        }
-        best = Some(Found { compound, registers: [a, bound.b.unwrap_or(a)], number: c });
+    fn find_among(self, own: &impl Fn(u32) -> Option<Operation>, last: Operation) -> Option<Found> {
+        let found = self.iter().filter_map(|compound| {
+            let (parts, mut bound) = (compound.parts(), Bound::default());
+            let fits = fit(own, parts, parts.len() - 1, last, false, &mut bound);
+            let number = bound.c.unwrap_or(0.0);
+            let fits = fits && bound.quarter.is_none_or(|quarter| quarter == 0.25 / number);
+            let a = bound.a.filter(|_| fits)?;
+            Some(Found { compound, registers: [a, bound.b.unwrap_or(a)], number })
+        });
+        // The first one of the longest.
+        found.min_by_key(|found| Reverse(found.compound.operators()))
     }
-    best
 }
 
 /// Matches a part with an operation, and adds the operands that the part reads to `bound`. Returns false if they do not
@@ -418,9 +391,6 @@ fn fit(
             && fit_operand(own, parts, part.b, for_b, negated, bound)
     };
     if part.op == op {
-        if op.arity() == 1 {
-            return fit_operand(own, parts, part.a, a, negated, bound);
-        }
         let before = *bound;
         if both(a, b, bound) {
             return true;
