@@ -376,39 +376,35 @@ impl Graph {
         first: Option<f32>,
         second: Option<f32>,
     ) -> Option<NodeId> {
-        // x - 0 = x
-        if second == Some(0.0) {
-            return Some(a);
+        match (first, second) {
+            // x - 0 = x
+            (_, Some(0.0)) => Some(a),
+            // 0 - x = -x
+            (Some(0.0), _) => Some(self.simplified_unary(Op::Neg, b)),
+            // x - (-y) = x + y
+            _ => self.negated(b).map(|y| self.simplified_binary(Op::Add, a, y)),
         }
-        // 0 - x = -x
-        if first == Some(0.0) {
-            return Some(self.simplified_unary(Op::Neg, b));
-        }
-        // x - (-y) = x + y
-        self.negated(b).map(|y| self.simplified_binary(Op::Add, a, y))
     }
 
     fn product(&mut self, a: NodeId, b: NodeId, constant: Option<f32>) -> Option<NodeId> {
         match constant {
             // x * 1 = x
-            Some(1.0) => return Some(a),
+            Some(1.0) => Some(a),
             // x * -1 = -x
-            Some(-1.0) => return Some(self.simplified_unary(Op::Neg, a)),
+            Some(-1.0) => Some(self.simplified_unary(Op::Neg, a)),
             // (-x) * c = x * (-c)
             Some(c) => {
-                let x = self.negated(a)?;
-                let negative = self.constant(-c);
-                return Some(self.simplified_binary(Op::Mul, x, negative));
+                let (x, negative) = (self.negated(a)?, self.constant(-c));
+                Some(self.simplified_binary(Op::Mul, x, negative))
             }
-            None => {}
+            // x * x = x²
+            None if a == b => Some(self.simplified_unary(Op::Square, a)),
+            // (-x) * (-y) = x * y
+            None => {
+                let (x, y) = (self.negated(a)?, self.negated(b)?);
+                Some(self.simplified_binary(Op::Mul, x, y))
+            }
         }
-        // x * x = x²
-        if a == b {
-            return Some(self.simplified_unary(Op::Square, a));
-        }
-        // (-x) * (-y) = x * y
-        let (x, y) = (self.negated(a)?, self.negated(b)?);
-        Some(self.simplified_binary(Op::Mul, x, y))
     }
 
     fn quotient(&mut self, a: NodeId, divisor: Option<f32>) -> Option<NodeId> {
@@ -453,18 +449,13 @@ impl Graph {
     }
 
     fn masked(&mut self, c: NodeId, a: NodeId, condition: Option<f32>, value: Option<f32>) -> Option<NodeId> {
-        match condition {
+        match (condition, value) {
             // mask(0, x) = 0
-            Some(0.0) => return Some(self.constant(0.0)),
-            // mask(c, x) = x for a constant c that is not 0
-            Some(_) => return Some(a),
-            None => {}
-        }
-        match value {
-            // mask(c, 0) = 0
-            Some(0.0) => Some(a),
+            (Some(0.0), _) => Some(self.constant(0.0)),
+            // mask(c, x) = x for a constant c that is not 0; mask(c, 0) = 0
+            (Some(_), _) | (_, Some(0.0)) => Some(a),
             // mask(c, 1) = c where c is 0 or 1
-            Some(1.0) if self.has(c, Properties::TRUTH) => Some(c),
+            (_, Some(1.0)) if self.has(c, Properties::TRUTH) => Some(c),
             _ => None,
         }
     }

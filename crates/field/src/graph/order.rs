@@ -34,18 +34,12 @@ impl Graph {
     pub fn order(&self, roots: &[NodeId]) -> Vec<NodeId> {
         let Some(last) = roots.iter().max() else { return Vec::new() };
         let needs = needs(&self.nodes[..=last.index()]);
-        let mut best = self.walk(roots.iter(), &needs);
-        let mut least = self.most_kept(&best, roots);
-        let mut created = best.clone();
+        let given = self.walk(roots.iter(), &needs);
+        let mut created = given.clone();
         created.sort_unstable_by_key(|id| (self.nodes[id.index()].place_of_point(), *id));
         let backwards = (roots.len() > 2).then(|| self.walk(roots.iter().rev(), &needs));
-        for nodes in backwards.into_iter().chain([created]) {
-            let kept = self.most_kept(&nodes, roots);
-            if kept < least {
-                (best, least) = (nodes, kept);
-            }
-        }
-        best
+        let orders = [given].into_iter().chain(backwards).chain([created]);
+        orders.min_by_key(|nodes| self.most_kept(nodes, roots)).unwrap_or_default()
     }
 
     fn walk<'a>(&self, roots: impl Iterator<Item = &'a NodeId>, needs: &[u8]) -> Vec<NodeId> {
