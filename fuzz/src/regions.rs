@@ -33,7 +33,7 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     }
     let distance = Tape::new(&world.graph, &world.roots.distance);
     let object = Tape::new(&world.graph, &[world.roots.object]);
-    if distance.clauses().len() > CLAUSES_MAX {
+    if distance.clauses.len() > CLAUSES_MAX {
         return;
     }
     let plan = RegionPlan::new(world);

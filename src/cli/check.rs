@@ -221,15 +221,15 @@ fn moving(scene: &Scene) -> impl Iterator<Item = (&TextureRef, Result<String, St
 fn cost(scene: &Scene) -> String {
     let tape = Tape::new(&scene.graph, &[scene.distance]);
     let constants = tape
-        .table()
+        .table
         .iter()
         .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
         .count();
     format!(
         "{}, {}, {} for the distance; {}; listens to {}",
-        counted(tape.clauses().len(), "clause"),
+        counted(tape.clauses.len(), "clause"),
         counted(constants, "constant"),
-        counted(tape.registers(), "register"),
+        counted(tape.registers, "register"),
         parts(scene),
         inputs(scene, &scene.graph, &expressions(scene))
     )

@@ -217,8 +217,8 @@ impl Oracle<'_> {
                 (value, value)
             }
         };
-        let mut registers = vec![(0.0, 0.0); self.tape.registers()];
-        for Clause { instruction, output, operands } in self.tape.clauses() {
+        let mut registers = vec![(0.0, 0.0); self.tape.registers];
+        for Clause { instruction, output, operands } in &self.tape.clauses {
             let [a, b] = operands.map(|operand| value(&registers, operand));
             registers[*output as usize] = match *instruction {
                 Instruction::Input(place) => p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0)),
@@ -226,7 +226,7 @@ impl Oracle<'_> {
                 Instruction::Texture { .. } => continue,
             };
         }
-        value(&registers, self.tape.outputs()[0])
+        value(&registers, self.tape.outputs[0])
     }
 
     /// The interval of the formula's values along a part of a ray, minus `margin` times the distance from the ray's

@@ -189,7 +189,7 @@ fn text_to_words(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(lines.0.len() as u64));
         for (side, text) in [("mariana, formula", formula), ("mariana, lets", &lets)] {
             assert_same(text, &instructions);
-            println!("{name}, {side}: {} lines, {} clauses", lines.0.len(), tape(text).clauses().len());
+            println!("{name}, {side}: {} lines, {} clauses", lines.0.len(), tape(text).clauses.len());
             group.bench_function(BenchmarkId::new(side, name), |bencher| {
                 bencher.iter(|| words(black_box(text)));
             });
@@ -207,7 +207,7 @@ fn text_to_words(criterion: &mut Criterion) {
         ("10,000 boxes and balls", ten_thousand),
     ];
     for (name, text) in texts {
-        group.throughput(Throughput::Elements(tape(&text).clauses().len() as u64));
+        group.throughput(Throughput::Elements(tape(&text).clauses.len() as u64));
         group.bench_function(BenchmarkId::new("mariana", name), |bencher| {
             bencher.iter(|| words(black_box(&text)));
         });

@@ -80,7 +80,7 @@ fn tape(c: &mut Criterion) {
         let mut graph = Graph::new();
         let root = scene(&mut graph, count);
         let tape = Tape::new(&graph, &[root]);
-        let clauses = tape.clauses().len() as u64;
+        let clauses = tape.clauses.len() as u64;
         let mut group = c.benchmark_group(format!("tape_{clauses}_clauses"));
         group.throughput(Throughput::Elements(clauses));
         group.bench_function("graph", |b| {

@@ -23,7 +23,7 @@
 //! assert!(bounds.lo > 4.0 && bounds.hi < 10.0);
 //!
 //! // The clauses that compute the field, and the equivalent GLSL.
-//! assert!(field.tape().clauses().len() < 40);
+//! assert!(field.tape().clauses.len() < 40);
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));
 //!

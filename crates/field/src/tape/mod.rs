@@ -54,26 +54,20 @@ pub enum TableEntry {
 /// One or several expressions as clauses. The expressions may share parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tape {
-    clauses: Vec<Clause>,
-    table: Vec<TableEntry>,
-    outputs: Vec<Operand>,
-    registers: usize,
+    /// The clauses.
+    pub clauses: Vec<Clause>,
+    /// The table that immediates index.
+    pub table: Vec<TableEntry>,
+    /// What holds the values of the roots at the end.
+    pub outputs: Vec<Operand>,
+    /// Number of registers used.
+    pub registers: usize,
 }
 
 impl Tape {
     /// Builds the tape that computes the roots, in their order.
     pub fn new(graph: &Graph, roots: &[NodeId]) -> Self {
         allocate::build(graph, roots)
-    }
-
-    /// Returns the clauses.
-    pub fn clauses(&self) -> &[Clause] {
-        &self.clauses
-    }
-
-    /// Returns the table that immediates index.
-    pub fn table(&self) -> &[TableEntry] {
-        &self.table
     }
 
     /// Returns the table's numbers in a frame.
@@ -83,16 +77,6 @@ impl Tape {
             TableEntry::Input(input) => frame.value(input),
         };
         self.table.iter().map(number).collect()
-    }
-
-    /// Returns what holds the values of the roots at the end.
-    pub fn outputs(&self) -> &[Operand] {
-        &self.outputs
-    }
-
-    /// Number of registers used.
-    pub fn registers(&self) -> usize {
-        self.registers
     }
 }
 

@@ -87,8 +87,8 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
         Operand::Register(register) => registers[register as usize],
         Operand::Immediate(entry) => f64::from(table[entry as usize]),
     };
-    let mut registers = vec![0.0f64; tape.registers()];
-    for Clause { instruction, output, operands } in tape.clauses() {
+    let mut registers = vec![0.0f64; tape.registers];
+    for Clause { instruction, output, operands } in &tape.clauses {
         let [a, b] = operands.map(|operand| value(&registers, operand));
         registers[*output as usize] = match *instruction {
             Instruction::Input(place) => at.get(usize::from(place)).copied().unwrap_or(0.0),
@@ -116,7 +116,7 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
             },
         };
     }
-    value(&registers, tape.outputs()[0])
+    value(&registers, tape.outputs[0])
 }
 
 proptest! {

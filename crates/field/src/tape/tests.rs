@@ -40,7 +40,7 @@ fn table_1_of_the_thesis() {
         })
         .collect();
     assert_eq!(rows, TABLE_1);
-    assert_eq!((tape.registers(), tape.outputs()), (2, &[Operand::Register(1)][..]));
+    assert_eq!((tape.registers, &tape.outputs[..]), (2, &[Operand::Register(1)][..]));
 }
 
 fn point(values: [f32; 6]) -> Point {
@@ -161,7 +161,7 @@ fn with_constants(count: usize) -> Tape {
 fn any_number_of_constants() {
     for count in [256, 257, 70_000] {
         let tape = with_constants(count);
-        assert_eq!((tape.table().len(), tape.registers()), (count, 3));
+        assert_eq!((tape.table.len(), tape.registers), (count, 3));
     }
 }
 
@@ -180,10 +180,10 @@ fn deep_expressions_need_no_stack_and_few_registers() {
     }
     let tape = Tape::new(&graph, &[left, right]);
     assert!(
-        tape.clauses().len() >= 400_000 && tape.registers() <= 8,
+        tape.clauses.len() >= 400_000 && tape.registers <= 8,
         "{} {}",
-        tape.clauses().len(),
-        tape.registers()
+        tape.clauses.len(),
+        tape.registers
     );
     let frame = FrameInputs::default();
     let point = Point::at(0.25, 0.0, 0.0);

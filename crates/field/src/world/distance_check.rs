@@ -204,7 +204,7 @@ pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
 
 fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Samples {
     let mut found = Samples::default();
-    let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
+    let affordable = CLAUSES_MAX / (tape.clauses.len().max(1) * (STEPS + 1) * FRAMES);
     let count = affordable.clamp(POINTS_MIN, POINTS_MAX);
     let (mut places, mut duals) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (frame, (regions, inputs)) in frames.enumerate() {

@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(inputs.hoisted.len(), 3, "the radius and two coordinates of the ball's place");
         let whole = Tape::new(&world.scene.graph, &[world.scene.distance]);
         let short = Tape::new(&world.graph, &world.roots.distance[1..]);
-        assert!(short.clauses().len() + 8 < whole.clauses().len(), "{short}\n{whole}");
+        assert!(short.clauses.len() + 8 < whole.clauses.len(), "{short}\n{whole}");
         for step in 0..200 {
             let at = step as f32 * 0.37;
             let point = Point::at(at.sin() * 3.0, at.cos() * 2.0, (1.7 * at).sin());

@@ -319,7 +319,7 @@ impl World {
         let steps =
             |programs: &[SurfaceTape]| programs.iter().map(|program| program.needs.steps).sum::<usize>();
         let (of_light, of_materials) = run.split_at(PROGRAMS_OF_LIGHT);
-        let clauses = |roots: &[NodeId]| Tape::new(&self.graph, roots).clauses().len();
+        let clauses = |roots: &[NodeId]| Tape::new(&self.graph, roots).clauses.len();
         let (distance, materials) = (clauses(&self.roots.distance), steps(of_materials));
         let total = distance + clauses(&[self.roots.object]) + materials + steps(of_light);
         let functions = self.functions().into_iter();
