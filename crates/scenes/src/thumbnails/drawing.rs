@@ -94,13 +94,7 @@ pub(super) fn frames_of(source: &SceneSource) -> Vec<Arc<RgbaImage>> {
 }
 
 fn decoded(bytes: &[u8]) -> Vec<Arc<RgbaImage>> {
-    let decoder = match WebPDecoder::new(Cursor::new(bytes)) {
-        Ok(decoder) => decoder,
-        Err(error) => {
-            tracing::warn!("a moving thumbnail cannot be read: {error}");
-            return Vec::new();
-        }
-    };
+    let Ok(decoder) = WebPDecoder::new(Cursor::new(bytes)) else { return Vec::new() };
     let frames = decoder.into_frames().take(LOOP_FRAMES as usize);
     frames.map_while(Result::ok).map(|frame| Arc::new(frame.into_buffer())).collect()
 }

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -180,9 +180,8 @@ impl Thumbnailer<'_> {
     /// Answers requests that need no drawing, while a process draws.
     fn answer_quick(&self) {
         loop {
-            // Release the lock before answering.
-            let quick = pop_quick(&mut self.requests.lock());
-            let Some(quick) = quick else { return };
+            // The lock is released before the answer.
+            let Some(quick) = pop_quick(&mut self.requests.lock()) else { return };
             self.answer(quick);
         }
     }
@@ -205,7 +204,8 @@ impl Thumbnailer<'_> {
     }
 
     fn kept_or_drawn(&self, source: &SceneSource) -> Result<RgbaImage, String> {
-        let kept = self.path_of(source)?;
+        let key = key_of(source)?;
+        let kept = self.folder.map(|folder| folder.join(format!("{key:016x}.png")));
         if let Some(image) = kept.as_deref().and_then(|path| decode(&fs::read(path).ok()?).ok()) {
             return Ok(image);
         }
@@ -219,16 +219,6 @@ impl Thumbnailer<'_> {
             keep(path, &bytes);
         }
         Ok(image)
-    }
-
-    /// Returns the cache file of a scene's thumbnail; `None` without a cache folder.
-    ///
-    /// # Errors
-    /// Fails with the first mistake in the scene.
-    fn path_of(&self, source: &SceneSource) -> Result<Option<PathBuf>, String> {
-        let text = source.text().map_err(|error| error.to_string())?;
-        let key = key_of(source, &text)?;
-        Ok(self.folder.map(|folder| folder.join(format!("{key:016x}.png"))))
     }
 }
 
@@ -254,7 +244,8 @@ fn jpeg_shipped_with(source: &SceneSource) -> Option<&'static [u8]> {
 ///
 /// # Errors
 /// Fails with the first mistake in the scene.
-fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
+fn key_of(source: &SceneSource) -> Result<u64, String> {
+    let text = source.text().map_err(|error| error.to_string())?;
     let compiled = source.compile().map_err(|error| error.to_string())?;
     let mut hasher = DefaultHasher::new();
     (VERSION, env!("CARGO_PKG_VERSION"), text).hash(&mut hasher);
@@ -271,8 +262,7 @@ fn key_of(source: &SceneSource, text: &str) -> Result<u64, String> {
 
 /// Decodes a PNG that is no larger than a thumbnail: a user may put any file into the cache folder.
 fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
-    let mut reader = ImageReader::new(io::Cursor::new(bytes));
-    reader.set_format(image::ImageFormat::Png);
+    let mut reader = ImageReader::with_format(io::Cursor::new(bytes), image::ImageFormat::Png);
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(SIZE.0), Some(SIZE.1));
     reader.limits(limits);
@@ -305,7 +295,7 @@ mod tests {
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("a.scene", "include \"part.scene\"\nobject a { shape = ball(p) }\n");
         let source = SceneSource::File(folder.path().join("a.scene"));
-        let key = || key_of(&source, &source.text().unwrap());
+        let key = || key_of(&source);
         assert!(key().is_err(), "the include is missing");
         write("part.scene", "fn ball(q) = length(q) - 1\n");
         let first = key().unwrap();
