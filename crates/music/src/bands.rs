@@ -41,9 +41,9 @@ impl Bands {
             };
             let first = (low.round() as usize).min(bin_count);
             let end = (high.round() as usize + 1).min(bin_count);
-            // A window that has no share of the band is not read.
-            let end = if (first..end).any(|bin| shared(bin) > 0.0) { end } else { first };
-            Bins { first, weights: (first..end).map(shared).collect() }
+            // A window that has no share of the band is not read: its spectrum may end before the band.
+            let range = if (first..end).any(|bin| shared(bin) > 0.0) { first..end } else { 0..0 };
+            Bins { first: range.start, weights: range.map(shared).collect() }
         };
         Self(std::array::from_fn(|band| Resolution::ALL.map(|resolution| bins(band, resolution))))
     }
