@@ -331,8 +331,10 @@ struct Conditional<'t, 'a> {
     of: Token<'a>,
 }
 
-/// The operators of conditions: the sign, how tightly it binds, and the result.
-const OPERATORS: [(&str, u8, fn(i64, i64) -> i64); 18] = [
+/// An operator of conditions: the sign, how tightly it binds, and the result.
+type Operator = (&'static str, u8, fn(i64, i64) -> i64);
+
+const OPERATORS: [Operator; 18] = [
     ("||", 1, |a, b| i64::from(a != 0 || b != 0)),
     ("&&", 2, |a, b| i64::from(a != 0 && b != 0)),
     ("|", 3, |a, b| a | b),
