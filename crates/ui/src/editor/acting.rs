@@ -32,8 +32,16 @@ impl Editor {
             return is_used;
         }
         self.focus.ignores_repeats &= press.repeat;
-        if self.focus.ignores_repeats || self.handle_small_key(press, held) {
+        if self.focus.ignores_repeats || self.handle_query_key(&press.key, held) {
             return true;
+        }
+        match self.proposals.choose(&press.key, held) {
+            Choice::Take(number) => {
+                self.accept_proposal(number);
+                return true;
+            }
+            Choice::Changed => return true,
+            Choice::Other => {}
         }
         if let Some(action) = action {
             self.act_with(action, held.contains(Modifiers::SHIFT));
@@ -64,18 +72,6 @@ impl Editor {
             // Keys without text, such as F11, media keys and modifiers, belong to the show.
             None => matches!(press.key, Key::Character(_)),
         }
-    }
-
-    fn handle_small_key(&mut self, press: &KeyPress, held: Modifiers) -> bool {
-        if self.handle_query_key(&press.key, held) {
-            return true;
-        }
-        match self.proposals.choose(&press.key, held) {
-            Choice::Take(number) => self.accept_proposal(number),
-            Choice::Changed => {}
-            Choice::Other => return false,
-        }
-        true
     }
 
     /// Handles a key of the search line while it is typed.
