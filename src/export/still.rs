@@ -199,7 +199,8 @@ fn format_of(path: &Path) -> Result<ImageFormat, ExportError> {
         ));
     }
     let Some(ending) = path.extension() else { return Ok(ImageFormat::Png) };
-    match ImageFormat::from_extension(ending) {
+    // The image crate also knows the ending of moving PNGs.
+    match ImageFormat::from_extension(ending).filter(|_| !ending.eq_ignore_ascii_case("apng")) {
         Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => Ok(format),
         _ => refuse(format!(
             "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg \

@@ -94,6 +94,15 @@ pub(crate) struct Outcome {
     pub stderr: String,
 }
 
+/// Leaves out the lines about progress: how many there are depends on the machine.
+fn without_progress(messages: &str) -> String {
+    let is_progress = |line: &&str| {
+        ["mariana: frame ", "mariana: path "].iter().any(|begin| line.starts_with(begin))
+            && line.contains(" a second")
+    };
+    messages.split_inclusive('\n').filter(|line| !is_progress(line)).collect()
+}
+
 impl Outcome {
     /// Runs `command`. Fails if the command hangs or is ended by a signal.
     pub(crate) fn of(command: &mut Command) -> Self {
@@ -125,7 +134,7 @@ impl Outcome {
             );
             std::thread::sleep(LOOK_PERIOD);
         };
-        let (stdout, stderr) = (text_of(stdout), text_of(stderr));
+        let (stdout, stderr) = (text_of(stdout), without_progress(&text_of(stderr)));
         let code = status.code().unwrap_or_else(|| panic!("{shown}: {status}: {stderr}"));
         for internal in INTERNALS {
             assert!(!stderr.contains(internal), "{shown}: '{internal}' in a message to users: {stderr}");

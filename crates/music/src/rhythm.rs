@@ -48,8 +48,8 @@ impl Rhythm {
         }
     }
 
-    /// Processes a moment whose number, notes and curve are known. Writes its beat and, for live input, its place in the form.
-    /// Returns true at an onset.
+    /// Processes a moment whose number, notes and curve are known. Writes its beat and, for live input, its place in
+    /// the form. Returns true at an onset.
     pub(super) fn follow(
         &mut self,
         [middle, short]: [&[f32]; 2],

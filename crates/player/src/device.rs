@@ -214,7 +214,7 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Calls a generic function with the sample type of a format. Formats that no device has as its only one give `None`.
+/// Calls a generic function with the sample type of a format. Other formats give `None`.
 macro_rules! with_sample_type {
     ($format:expr, $function:ident($($argument:expr),*)) => {{
         use cpal::{I24, SampleFormat};

@@ -44,7 +44,7 @@ pub struct DeviceEntry {
     pub default: bool,
     /// For a monitor, the id of the output that it records.
     pub monitor_of: Option<String>,
-    /// The format that the device uses by itself.
+    /// The format that the system reports as the usual one.
     pub usual: FormatReport,
 }
 

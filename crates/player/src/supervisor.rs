@@ -8,9 +8,9 @@
 //!
 //! The supervisor counts the device's callbacks, and compares the open device with the polled device list, because cpal
 //! does not report device changes, and a sound server silently moves the stream of an unplugged device to another
-//! device. The open device continues until its successor is open. After an error, the supervisor waits a second before
-//! the next attempt, unless the device has played before. A change in the device list ends the wait. The default may
-//! change and change back between two polls, so the supervisor checks an opened device again after the next polls.
+//! device. The open device continues until its successor is open. After an error, the supervisor waits before the next
+//! attempt, unless the device has just played. A change in the device list ends the wait. The default may change and
+//! change back between two polls, so the supervisor checks an opened device again after the next polls.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -34,7 +34,10 @@ const SILENT_LOOKS: u32 = 10;
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 
 /// The wait before another attempt. A change in the device list ends the wait.
-const RETRY_WAIT: Duration = Duration::from_secs(1);
+const RETRY_WAIT: Duration = Duration::from_millis(500);
+
+/// The same after an error that stays until the user acts.
+const LONG_RETRY_WAIT: Duration = Duration::from_secs(5);
 
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
@@ -138,6 +141,7 @@ enum Current {
     Device {
         thread: DeviceThread,
         entry: ListedDevice,
+        since: Instant,
         calls: Box<dyn Fn() -> u64 + Send>,
         called: u64,
         silent_looks: u32,
@@ -278,7 +282,9 @@ impl<P: Port> Watch<P> {
         self.superseded = false;
         self.settled_after = self.device_list.as_ref().map(|watch| watch.looks() + 2);
         self.retry_at = None;
-        let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
+        let since = Instant::now();
+        let device =
+            Current::Device { thread, entry: entry.clone(), since, calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
         let note = P::describe(&link);
         *lock(&self.status) = StreamStatus { device: Some(entry), silent: None, refused: None, note };
@@ -293,14 +299,19 @@ impl<P: Port> Watch<P> {
         // Keep a current device that still plays: only the new default or the new choice cannot be opened.
         let stands = !is_of_current
             && matches!(self.current, Current::Device { silent_looks, .. } if silent_looks < SILENT_LOOKS);
-        // A stream that has played may only have to be built again, for example with another rate.
-        let has_played = matches!(self.current, Current::Device { called: 1.., .. });
+        // A stream that has played for a while may only have to be built again, for example with another rate.
+        let has_played = matches!(self.current, Current::Device { called: 1.., since, .. }
+            if since.elapsed() >= RETRY_WAIT);
         if !stands {
             self.switch_to_silence(error.to_string());
         } else if self.superseded {
             lock(&self.status).refused = Some(error.to_string());
         }
-        let wait = if has_played && !stands { Duration::ZERO } else { RETRY_WAIT };
+        let wait = match error {
+            _ if has_played && !stands => Duration::ZERO,
+            DeviceError::Denied(..) | DeviceError::Format(..) | DeviceError::Rate(..) => LONG_RETRY_WAIT,
+            _ => RETRY_WAIT,
+        };
         self.retry_at = Some(Instant::now() + wait);
     }
 

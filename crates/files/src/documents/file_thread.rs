@@ -142,6 +142,7 @@ impl FileThreadState {
     }
 
     fn open(&mut self, file: PathBuf) {
+        self.keep_all();
         let known = known(&file);
         let holds = known.holds.clone();
         let kept = self.kept.of(&file);

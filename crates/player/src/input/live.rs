@@ -6,7 +6,7 @@
 //! so that the image calms down as after a song.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
@@ -260,38 +260,47 @@ pub(super) struct Prober {
     /// The running search. A hanging input delays the next search, so that searches do not accumulate.
     search: Awaited<Option<ListedDevice>>,
     found: Option<ListedDevice>,
-    /// True if the answer of the running search must be ignored.
-    stale: bool,
+    /// True if the running search ends and its answer must be ignored.
+    is_over: Arc<AtomicBool>,
     next: Instant,
     pause: Duration,
 }
 
 impl Prober {
     pub(super) fn new() -> Self {
-        let search = Awaited::default();
-        Self { search, found: None, stale: false, next: Instant::now(), pause: PAUSE }
+        let (search, is_over) = (Awaited::default(), Arc::default());
+        Self { search, found: None, is_over, next: Instant::now(), pause: PAUSE }
     }
 
     pub(super) fn reset(&mut self) {
         // A running search would answer for the previous input.
-        self.stale = self.search.is_awaited();
+        self.is_over.store(true, Ordering::Relaxed);
         (self.found, self.next, self.pause) = (None, Instant::now(), PAUSE);
     }
 
     /// Returns the input with a signal that a search has found. Starts a search of `candidates` if a search is due.
     pub(super) fn search(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some(answer) = self.search.poll() {
-            let is_stale = std::mem::take(&mut self.stale);
-            self.found = answer.ok().flatten().filter(|_| !is_stale);
+            self.found = answer.ok().flatten().filter(|_| !self.is_over.load(Ordering::Relaxed));
             self.next = Instant::now() + self.pause;
             self.pause = (2 * self.pause).min(PAUSE_MAX);
         }
         if !self.search.is_awaited() && self.next <= Instant::now() {
-            let candidates = candidates();
-            let search = move || candidates.into_iter().take(CANDIDATES_MAX).find(|entry| probe(&entry.id));
+            let (candidates, is_over) = (candidates(), Arc::new(AtomicBool::new(false)));
+            self.is_over = is_over.clone();
+            let search = move || {
+                let mut candidates = candidates.into_iter().take(CANDIDATES_MAX);
+                candidates.find(|entry| !is_over.load(Ordering::Relaxed) && probe(&entry.id))
+            };
             self.search = once("sound search", || {}, search).unwrap_or_default();
         }
         self.found.as_ref()
+    }
+}
+
+impl Drop for Prober {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
     }
 }
 

@@ -129,11 +129,13 @@ impl Playlist {
 
     /// Searches for the first playable track, starting at `first`. If no track is playable, the result is silence.
     fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
+        let kept = track_errors.len().max(TRACK_ERRORS_KEPT);
         let found = self.search(first, true, None, &mut |trouble| track_errors.push(trouble));
-        let more = track_errors.len().saturating_sub(TRACK_ERRORS_KEPT + 1);
-        if more > 0 {
+        // Errors of the search; of too many, the last one is kept, which says why no track plays.
+        let more = track_errors.len().saturating_sub(kept + 1);
+        if more > 1 {
             let more_in_words = format!("{more} more tracks cannot be played; check the list");
-            track_errors.splice(TRACK_ERRORS_KEPT..TRACK_ERRORS_KEPT + more, [more_in_words]);
+            track_errors.splice(kept..kept + more, [more_in_words]);
         }
         let (first, playable) = match found {
             Found::Track(track) => (track, true),

@@ -196,11 +196,13 @@ impl State {
         TrackTags { title: title.clone(), artist: artist.clone(), duration }
     }
 
-    /// Adds tags. At the limit, all other tags are forgotten, and read again when they are wanted.
+    /// Adds tags. At the limit, all other tags are forgotten. Those of the list, whose lengths are added up, are read
+    /// again.
     fn insert(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
         let file = &*key(file);
         if self.known.len() >= limits::TAGS_KEPT_MAX && !self.known.contains_key(file) {
             self.known.clear();
+            self.list_at = 0;
         }
         self.known.insert(file.into(), Known { stamp, tags, is_current });
     }

@@ -125,14 +125,15 @@ fn visible_rows_come_before_the_folder_and_the_folder_before_the_list() {
 }
 
 #[test]
-fn at_the_limit_the_tags_are_forgotten() {
-    let mut state = State::default();
+fn at_the_limit_the_tags_are_forgotten_and_the_list_is_read_again() {
+    let mut state = State { list_at: 7, ..State::default() };
     let path = |n: usize| PathBuf::from(format!("/nowhere/{n}"));
     for n in 0..=limits::TAGS_KEPT_MAX {
         state.insert(&path(n), Stamp::default(), Arc::default(), true);
     }
     assert!(state.known.len() <= limits::TAGS_KEPT_MAX);
     assert!(!state.is_current(&path(0)) && state.is_current(&path(limits::TAGS_KEPT_MAX)));
+    assert_eq!(state.list_at, 0);
 }
 
 #[test]
