@@ -1,7 +1,7 @@
 //! Replaces scenes of a show that this machine cannot draw.
 //!
-//! A substitute suits music of about the same energy as the refused scene. The cameras change at the same moments as
-//! before.
+//! A substitute suits music of about the same energy as the refused scene, and is not the previous or next scene. The
+//! cameras change at the same moments as before.
 
 use super::cue_list::is_of_no_scene;
 use super::scene_card::SceneCard;
@@ -13,16 +13,39 @@ pub(super) fn with_substitutes(
     cards: &[SceneCard],
     is_refused: impl Fn(&str) -> bool,
 ) -> Option<Vec<Clip>> {
-    let of_clip = |clip: &Clip| {
+    let usable: Vec<&SceneCard> = cards.iter().filter(|card| !is_refused(&card.scene)).collect();
+    let mut found: Vec<Clip> = Vec::with_capacity(clips.len());
+    // The refused scene of the previous clip, and its substitute.
+    let mut last: Option<(&str, &SceneCard)> = None;
+    for (index, clip) in clips.iter().enumerate() {
         if !is_refused(&clip.scene) {
-            return Some(clip.clone());
+            last = None;
+            found.push(clip.clone());
+            continue;
         }
         let refused = cards.iter().find(|card| card.scene == clip.scene)?;
-        let usable = cards.iter().filter(|card| !is_refused(&card.scene));
-        let off = |card: &SceneCard| (energy(card) - energy(refused)).abs();
-        Some(substituted(clip, refused, usable.min_by(|a, b| off(a).total_cmp(&off(b)))?))
-    };
-    clips.iter().map(of_clip).collect()
+        let substitute = match last {
+            Some((scene, substitute)) if scene == clip.scene => substitute,
+            _ => {
+                let later = clips.iter().skip(index).map(|later| later.scene.as_str());
+                let next = later.into_iter().find(|scene| *scene != clip.scene);
+                let before = found.last().map(|clip| clip.scene.as_str());
+                let neighbours = [before, next];
+                let rank = |card: &SceneCard| {
+                    let is_neighbour = neighbours.contains(&Some(card.scene.as_str()));
+                    (is_neighbour, (energy(card) - energy(refused)).abs())
+                };
+                let order = |a: &&&SceneCard, b: &&&SceneCard| {
+                    let (a, b) = (rank(a), rank(b));
+                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+                };
+                usable.iter().min_by(order)?
+            }
+        };
+        last = Some((&clip.scene, substitute));
+        found.push(substituted(clip, refused, substitute));
+    }
+    Some(found)
 }
 
 fn energy(card: &SceneCard) -> f32 {
@@ -82,11 +105,8 @@ mod tests {
         let found = with_substitutes(&clips, &cards, |scene| scene == "heavy").unwrap();
         let scenes: Vec<_> = found.iter().map(|clip| (&*clip.scene, clip.camera.as_deref())).collect();
         let like_it = [("like it", None), ("like it", Some("left")), ("like it", None)];
-        let expected = [
-            &[("calm", None)][..],
-            &like_it,
-            &[("loud", None), ("like it", Some("left")), ("like it", None)],
-        ];
+        let expected =
+            [&[("calm", None)][..], &like_it, &[("loud", None), ("calm", None), ("like it", None)]];
         assert_eq!(scenes, expected.concat());
         let moved = |clip: &Clip| clip.moves.iter().map(|one| one.param.clone()).collect::<Vec<_>>();
         assert_eq!(moved(&found[1]), ["picture brightness"], "parameters of the refused scene are dropped");
