@@ -113,7 +113,9 @@ impl Cues {
     /// The show with the present key presses.
     pub(super) fn prepared_show(&self) -> Option<Arc<PreparedShow>> {
         let (show, song) = self.show.as_ref()?;
-        Some(Arc::new(show.with_cues(song, &self.pressed)))
+        // Without presses, the loader's thread has resolved the show already.
+        let is_pressed = !self.pressed.is_empty();
+        Some(if is_pressed { Arc::new(show.with_cues(song, &self.pressed)) } else { show.clone() })
     }
 
     /// Notes a key press at `time` seconds of the song. Forgets presses at later times, as after a seek back. Returns the

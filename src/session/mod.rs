@@ -299,13 +299,18 @@ impl Session {
         self.screen.update().into_iter().for_each(|sentence| self.playback.reports.announce(sentence));
         let to_send = self.playback.send(&mut *self.screen, now)?;
         let to_send = to_send.into_iter().chain(self.update_made(now)).min();
+        let awaits_edit = self.playback.scene.awaits_edit(now);
+        let is_drawing = self.playback.scene.composer.is_drawing();
+        if is_drawing && awaits_edit.is_none() {
+            return Ok(now);
+        }
         let overlay_due = self.interface.overlay_due(&mut self.playback, &mut *self.screen, now);
-        if let Some(until) = self.playback.scene.awaits_edit(now)
+        if let Some(until) = awaits_edit
             && overlay_due.is_none_or(|due| due > now)
         {
             return Ok(until);
         }
-        if self.playback.scene.composer.is_drawing() {
+        if is_drawing {
             return Ok(now);
         }
         let overlay_due = overlay_due.filter(|_| self.screen.shows_words());

@@ -103,7 +103,7 @@ fn parts(form: &Form, known: &Known) -> Vec<VideoOption> {
     let longest = VideoPlace::ALL.get(form.place).and_then(|(place, ..)| Preset::of(Some(*place)).duration);
     let longest = longest.map_or(String::new(), |seconds| format!("; at most {seconds} s of it"));
     vec![
-        option(&whole, &format!("From the start to the end; removes the marks{longest}")),
+        option(&whole, &format!("From the start to the end{longest}; removes the marks")),
         option(&section, &format!("The section of the song that plays now, such as its chorus{longest}")),
         option(&marked, &format!("From the mark < to the mark > on the seek bar{longest}")),
     ]

@@ -111,7 +111,11 @@ mod tests {
 
     fn change(memory: &mut KnobMemory, edit: KnobEdit) -> Result<(), StoredFileError> {
         memory.change(&edit);
-        std::iter::repeat_with(|| memory.poll()).find_map(|kept| kept).unwrap()
+        let poll = || {
+            std::thread::sleep(Duration::from_millis(1));
+            memory.poll()
+        };
+        std::iter::repeat_with(poll).take(30_000).find_map(|kept| kept).expect("the thread has ended")
     }
 
     fn names(memory: &KnobMemory) -> Vec<String> {

@@ -189,7 +189,11 @@ impl Clip {
     /// Returns the values of all `params` of a scene at `time` seconds of the song: their defaults where this clip does not
     /// animate them.
     pub fn numbers_at(&self, params: &[Param], time: f64) -> Vec<f32> {
-        let value = |param: &Param| self.moved(&param.name, time).map_or(param.default, |moved| moved.value);
+        let moved = self.all_moved(time);
+        let value = |param: &Param| {
+            let of_param = moved.iter().find(|(name, _)| *name == param.name);
+            of_param.map_or(param.default, |(_, moved)| moved.value)
+        };
         params.iter().map(value).collect()
     }
 
@@ -205,12 +209,35 @@ impl Clip {
     /// Returns the value of a parameter at `time` seconds of the song, with the number of its animation; `None` if this
     /// clip does not animate the parameter.
     pub fn moved(&self, param: &str, time: f64) -> Option<Moved> {
-        let moves = || self.moves.iter().filter(|one| one.param == param);
+        let of_param = self.moves.iter().filter(|one| one.param == param);
         // Before its first animation, a parameter has the initial value of that animation.
-        let first = || moves().find(|one| !one.is_set_at_once());
-        let one = moves().rfind(|one| one.has_begun(time)).or_else(first)?;
+        let counts =
+            |found: Option<_>, one: &Move| one.has_begun(time) || (found.is_none() && !one.is_set_at_once());
+        let one = of_param.fold(None, |found, one| if counts(found, one) { Some(one) } else { found })?;
+        Some(self.moved_by(one, time))
+    }
+
+    /// Returns all parameters that this clip animates, as [`Clip::moved`] does for one. A recording has thousands of
+    /// animations, so they are searched only once.
+    pub fn all_moved(&self, time: f64) -> Vec<(&str, Moved)> {
+        let mut all: Vec<(&str, Moved)> = Vec::new();
+        for one in &self.moves {
+            let known = all.iter_mut().find(|(name, _)| *name == one.param);
+            if !one.has_begun(time) && (known.is_some() || one.is_set_at_once()) {
+                continue;
+            }
+            let moved = self.moved_by(one, time);
+            match known {
+                Some((_, known)) => *known = moved,
+                None => all.push((&one.param, moved)),
+            }
+        }
+        all
+    }
+
+    fn moved_by(&self, one: &Move, time: f64) -> Moved {
         let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
-        Some(Moved { value: one.at(time), part })
+        Moved { value: one.at(time), part }
     }
 }
 

@@ -22,6 +22,16 @@ impl<'a> ActiveClips<'a> {
         self.second.or(self.first)
     }
 
+    /// Returns the show's values at `time` seconds of the song by the names of their parameters: those of the first clip,
+    /// and those of the second.
+    pub(super) fn all_directed(&self, time: f64) -> [Vec<(&'a str, Directed)>; 2] {
+        [self.first, self.second].map(|clip| {
+            let moved = clip.map(|clip| clip.all_moved(time)).unwrap_or_default();
+            let directed = moved.into_iter();
+            directed.map(|(name, moved)| (name, Directed { value: moved.value, part: moved.part })).collect()
+        })
+    }
+
     /// Returns the show's value for the parameter of a knob of `scene`, at `time` seconds of the song.
     pub(super) fn directed(
         &self,

@@ -77,8 +77,10 @@ impl Parameters {
     }
 
     fn read(&self, scene: &PreparedScene, clips: &ActiveClips<'_>, time: f64) -> Vec<Reading> {
+        let [first, second] = clips.all_directed(time);
         let read = |(slider, knob): (&Slider, &Knob)| {
-            let directed = clips.directed(scene, slider, knob, time);
+            let of_world = if knob.place < scene.split() { &first } else { &second };
+            let directed = of_world.iter().find(|(name, _)| *name == slider.name).map(|(_, value)| *value);
             self.model.read(&knob.scene, &slider.param(), directed, self.now)
         };
         scene.knobs.iter().map(read).collect()

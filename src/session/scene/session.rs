@@ -437,9 +437,9 @@ impl SceneSession {
         let wanted = self.preparation.toggle_mode(mode, &mut self.scenes);
         self.show_what_is_ready();
         let now = self.mode();
-        self.preparation.asked_mode = Some(wanted).filter(|_| now != Some(wanted));
         let has_interpreter = |scene: &PreparedScene| scene.programs.interpreter.is_some();
         let possible = wanted == Mode::Compiled || self.scenes.shown.as_ref().is_some_and(has_interpreter);
+        self.preparation.asked_mode = Some(wanted).filter(|_| possible && now != Some(wanted));
         self.messages.answer(match now {
             Some(now) if now == wanted => now.to_string(),
             _ if possible => format!("{wanted}: the driver is preparing it"),

@@ -16,7 +16,7 @@
 /// The number of further samples of a pixel at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EdgeSamples {
-    /// For frames of a scene in the editor. Edges are coarsely antialiased.
+    /// For live frames that would be late with more, and for drafts. Edges are coarsely antialiased.
     Two,
     /// For live frames.
     Four,
