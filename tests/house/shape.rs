@@ -33,7 +33,6 @@ const LONG_FUNCTIONS: usize = 1;
 /// Plain records with more than [`FIELDS_MAX`] fields, each with a description. A record has only readable fields or
 /// no methods.
 const RECORDS: &[(&str, &str)] = &[
-    ("ModeReport", "the measurements of `bench` in one mode"),
     ("OverlayContent", "the contents of the overlay in one frame"),
     ("PlayArguments", "the command line of `play`"),
     ("PlaySettings", "the settings of a run"),

@@ -156,7 +156,9 @@ impl Documents {
         let Some(document) = self.open.get_mut(uri) else { return false };
         document.change(changes);
         document.version = version.unwrap_or(document.version + 1);
-        self.parsed.clear();
+        // Scenes without this document stay: a client may hold many open.
+        let is_other = |parsed: &Parsed| parsed.files.iter().all(|file| file.uri.as_deref() != Some(uri));
+        self.parsed.retain(|root, parsed| root != uri && is_other(parsed));
         true
     }
 

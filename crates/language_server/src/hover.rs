@@ -60,7 +60,9 @@ fn of_declaration(parsed: &Parsed, index: usize) -> Option<About> {
     let (file, bytes) = parsed.sources.place_in_file(declared.name)?;
     let (source, buffer) = (parsed.sources.files().get(file)?, &parsed.files.get(file)?.buffer);
     let facts = if file == 0 { String::new() } else { format!("declared in {}", source.name) };
-    Some(About { facts, ..declaration(buffer, buffer.line_of(bytes.start)) })
+    // A `let` may be in the line of its function.
+    let is_function = declared.kind == NameKind::Function;
+    Some(About { facts, is_function, ..declaration(buffer, buffer.line_of(bytes.start)) })
 }
 
 /// Returns the documentation as Markdown.

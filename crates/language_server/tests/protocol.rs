@@ -332,6 +332,16 @@ fn completion_offers_valid_names_only() {
     assert!(sphere["documentation"]["value"].as_str().unwrap().contains("exact"));
 }
 
+/// Regression: a value in the line of its function was offered as a function.
+#[test]
+fn a_local_value_is_offered_as_a_variable() {
+    let text = "fn f(q) { let radius = 0.5  length(q) - radius }\nf(p)\n";
+    let mut client = Client::with(text);
+    let answer = client.ask("textDocument/completion", text, "- rad|ius", json!({})).unwrap();
+    let radius = answer["items"].as_array().unwrap().iter().find(|one| one["label"] == "radius").unwrap();
+    assert_eq!((&radius["kind"], &radius["textEdit"]["newText"]), (&json!(6), &json!("radius")));
+}
+
 #[test]
 fn signatures_follow_the_arguments() {
     let text = "fn f(first, second) = 1\nlet a = f(vec2(1, 2),\n  3) + mix(1, 2, 3)";

@@ -430,6 +430,12 @@ mod tests {
         assert_near(bounds_of(text, true), [-1.0, 1.0, -1.0], [1.0, 3.0, 1.0], 0.04);
     }
 
+    /// Regression: with fewer steps for the second search, the box was 46 wide.
+    #[test]
+    fn a_pyramid_is_boxed_closely() {
+        assert_near(world_of("pyramid(p, 0.8)").bounds, [-0.5, 0.0, -0.5], [0.5, 0.8, 0.5], 0.1);
+    }
+
     #[test]
     fn a_ball_outside_of_the_cube_is_noticed() {
         assert_eq!(bounds("min(length(p) - 1, length(p - vec3(0, 0, 1500)) - 1)"), None);

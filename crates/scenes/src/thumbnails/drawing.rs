@@ -54,7 +54,10 @@ pub(super) fn draw(
             Some(status) if status.success() => return fs::read(&file),
             Some(status) => return Err(io::Error::other(status.to_string())),
             None if is_stopped() => return Err(io::ErrorKind::Interrupted.into()),
-            None if Instant::now() > until => return Err(io::ErrorKind::TimedOut.into()),
+            None if Instant::now() > until => {
+                let words = format!("it takes more than {} s", limits::THUMBNAIL_SECONDS_MAX);
+                return Err(io::Error::new(io::ErrorKind::TimedOut, words));
+            }
             None => std::thread::sleep(INTERVAL),
         }
     }
