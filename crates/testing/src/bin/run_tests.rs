@@ -173,6 +173,10 @@ mod linux {
         if program.name == COMPILING && !DRAWING.iter().any(|module| test.starts_with(module)) {
             command.env("GALLIVM_PERF", "nopt");
         }
+        // Tests run side by side: handing pixels to llvmpipe's threads takes up to a sixth of the processor time.
+        if !PUNCTUAL.contains(&program.name.as_str()) && std::env::var_os("LP_NUM_THREADS").is_none() {
+            command.env("LP_NUM_THREADS", "0");
+        }
         // As for `cargo test` (`.cargo/config.toml`).
         if std::env::var_os("PROPTEST_RNG_SEED").is_none() {
             command.env("PROPTEST_RNG_SEED", "1");
