@@ -41,7 +41,7 @@ impl Bands {
             };
             let first = (low.round() as usize).min(bin_count);
             let end = (high.round() as usize + 1).min(bin_count);
-            // A window that has no share of the band is not read: its spectrum may end before the band.
+            // A window without weight in the band is not read: its spectrum may end before the band.
             let range = if (first..end).any(|bin| shared(bin) > 0.0) { first..end } else { 0..0 };
             Bins { first: range.start, weights: range.map(shared).collect() }
         };

@@ -29,8 +29,8 @@ mod units;
 
 pub use bars::Meter;
 pub(crate) use bars::reward;
-pub(crate) use key::{are_varied, largest};
 pub use key::{Mode, PITCH_CLASSES, Tonality};
+pub(crate) use key::{are_varied, largest};
 pub use listener::SongListener;
 pub use moment::SongMoment;
 pub use sections::SectionSound;

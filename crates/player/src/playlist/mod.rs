@@ -131,7 +131,7 @@ impl Playlist {
     fn opened(mut self, first: u64, mut track_errors: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let kept = track_errors.len().max(TRACK_ERRORS_KEPT);
         let found = self.search(first, true, None, &mut |trouble| track_errors.push(trouble));
-        // Errors of the search; of too many, the last one is kept, which says why no track plays.
+        // Of too many errors, the last one stays: it is the reason why no track plays.
         let more = track_errors.len().saturating_sub(kept + 1);
         if more > 1 {
             let more_in_words = format!("{more} more tracks cannot be played; check the list");

@@ -196,8 +196,8 @@ impl State {
         TrackTags { title: title.clone(), artist: artist.clone(), duration }
     }
 
-    /// Adds tags. At the limit, all other tags are forgotten. Those of the list, whose lengths are added up, are read
-    /// again.
+    /// Adds tags. At the limit, all other tags are forgotten, and the list is read again for its total
+    /// length.
     fn insert(&mut self, file: &Path, stamp: Stamp, tags: Arc<TrackTags>, is_current: bool) {
         let file = &*key(file);
         if self.known.len() >= limits::TAGS_KEPT_MAX && !self.known.contains_key(file) {
