@@ -124,6 +124,10 @@ fn connected_and_lost_devices_are_reported_and_frames_continue() {
     server.kill();
     app.wait_for_title("no sound", |title| title.contains("no sound"));
     wait_for_another(&app, &app.picture());
+    // The first attempt to open the monitor again follows within a second.
+    app.wait_until("another attempt", |app| {
+        app.reported_problems().join("\n").matches("no sound: the computer's own sound").count() == 2
+    });
     let reported = app.quit_by_key();
     let reported_problems = reported_problems(&reported).join("\n");
     assert_eq!(
