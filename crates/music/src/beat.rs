@@ -81,7 +81,7 @@ struct Ring {
     head: usize,
     /// The sum of the states.
     total: f32,
-    /// The share of the redistributed belief that each state gets.
+    /// The part of the redistributed belief that each state gets.
     doubt: f32,
     /// `passing[REACH + from - to]` is the probability of a change from ring `from` to this ring `to`.
     passing: [f32; 2 * REACH + 1],

@@ -212,7 +212,7 @@ impl Onsets {
         (self.loudest, self.since) = (0.0, self.apart);
     }
 
-    /// Processes the spectrum of the short window and, to detect low onsets, that of the longer one.
+    /// Processes the spectrum of the short window and, to detect low onsets, the longer window's spectrum.
     pub(super) fn follow(&mut self, short: &[f32], middle: Option<&[f32]>) -> Onset {
         let power =
             short.get(self.all.edges[0]..self.all.edges[GROUPS]).unwrap_or_default().iter().sum::<f32>();

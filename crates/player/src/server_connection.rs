@@ -37,7 +37,7 @@ impl ServerConnection {
     /// Asks the server to close the connection. This wakes all threads that wait for it. May block like the server.
     pub(crate) fn end(self) {
         let mut asking = lock(&ASKING);
-        // After a restart of the server, the number may be that of another connection, which is then opened again.
+        // After a restart of the server, another connection may have this number. It is then opened again.
         let is_there = own_connections(&mut asking).is_some_and(|own| own.contains(&self.0));
         if let Some(client) = asking.as_ref().filter(|_| is_there)
             && let Err(error) = block_on(client.kill_client(self.0))

@@ -209,35 +209,32 @@ impl Clip {
     /// Returns the value of a parameter at `time` seconds of the song, with the number of its animation; `None` if this
     /// clip does not animate the parameter.
     pub fn moved(&self, param: &str, time: f64) -> Option<Moved> {
-        let of_param = self.moves.iter().filter(|one| one.param == param);
-        // Before its first animation, a parameter has the initial value of that animation.
-        let counts =
-            |found: Option<_>, one: &Move| one.has_begun(time) || (found.is_none() && !one.is_set_at_once());
-        let one = of_param.fold(None, |found, one| if counts(found, one) { Some(one) } else { found })?;
-        Some(self.moved_by(one, time))
+        self.moved_where(time, |name| name == param).pop().map(|(_, moved)| moved)
     }
 
     /// Returns all parameters that this clip animates, as [`Clip::moved`] does for one. A recording has thousands of
     /// animations, so they are searched only once.
     pub fn all_moved(&self, time: f64) -> Vec<(&str, Moved)> {
-        let mut all: Vec<(&str, Moved)> = Vec::new();
-        for one in &self.moves {
-            let known = all.iter_mut().find(|(name, _)| *name == one.param);
-            if !one.has_begun(time) && (known.is_some() || one.is_set_at_once()) {
-                continue;
-            }
-            let moved = self.moved_by(one, time);
-            match known {
-                Some((_, known)) => *known = moved,
-                None => all.push((&one.param, moved)),
-            }
-        }
-        all
+        self.moved_where(time, |_| true)
     }
 
-    fn moved_by(&self, one: &Move, time: f64) -> Moved {
-        let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
-        Moved { value: one.at(time), part }
+    fn moved_where(&self, time: f64, is_included: impl Fn(&str) -> bool) -> Vec<(&str, Moved)> {
+        let mut current: Vec<&Move> = Vec::new();
+        for one in self.moves.iter().filter(|one| is_included(&one.param)) {
+            let known = current.iter_mut().find(|known| known.param == one.param);
+            match (known, one.has_begun(time)) {
+                (Some(known), true) => *known = one,
+                (None, true) => current.push(one),
+                // Before its first animation, a parameter has the initial value of that animation.
+                (None, false) if !one.is_set_at_once() => current.push(one),
+                _ => {}
+            }
+        }
+        let moved = |one: &Move| {
+            let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
+            Moved { value: one.at(time), part }
+        };
+        current.into_iter().map(|one| (one.param.as_str(), moved(one))).collect()
     }
 }
 

@@ -22,8 +22,7 @@ impl<'a> ActiveClips<'a> {
         self.second.or(self.first)
     }
 
-    /// Returns the show's values at `time` seconds of the song by the names of their parameters: those of the first clip,
-    /// and those of the second.
+    /// Returns what the first and the second clip set at `time` seconds of the song: names of parameters and their values.
     pub(super) fn all_directed(&self, time: f64) -> [Vec<(&'a str, Directed)>; 2] {
         [self.first, self.second].map(|clip| {
             let moved = clip.map(|clip| clip.all_moved(time)).unwrap_or_default();

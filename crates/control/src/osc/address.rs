@@ -198,7 +198,7 @@ pub fn is_pattern(address: &str) -> bool {
 
 impl Pattern {
     /// Parses a pattern. Returns `None` if the pattern is too long or malformed: an unclosed bracket or brace, an empty
-    /// set, a range that goes down, or two hyphens beside each other in a set.
+    /// set, a range that goes down, or two hyphens in a row in a set.
     pub fn read(text: &str) -> Option<Self> {
         if text.len() > limits::NAME_BYTES_MAX {
             return None;

@@ -162,7 +162,8 @@ impl TextureReader for Slopes {
     }
 }
 
-/// A scene of sky alone, and what it leaves out. A shader computes colours of the screen, but a sky is light.
+/// Returns a scene that is only sky, and the parts of the shader that it leaves out. A shader computes colours of the
+/// screen, but a sky is light.
 fn scene_of_picture(file: &GlslFile, picture: &GlslFunction) -> Result<(String, Vec<String>)> {
     let mut graph = Graph::new();
     let pixel = [Input::X, Input::Y].map(|input| graph.input(input)).to_vec();

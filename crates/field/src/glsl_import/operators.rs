@@ -251,7 +251,7 @@ fn constant(graph: &mut Graph, op: BinaryOperator, a: Part, b: Part) -> Option<P
         BinaryOperator::ShiftRight => a >> (b & 31),
         _ => return Some(Part::Node(graph.constant(if compared(op, a, b) { 1.0 } else { 0.0 }))),
     };
-    // The lowest 32 bits are those of an operation on 32 bits.
+    // An operation on 32 bits gives the same lowest 32 bits.
     Some(if is_signed { Part::Int(value as i32) } else { Part::Uint(value as u32) })
 }
 

@@ -261,7 +261,7 @@ impl Encoder {
 struct FreeRegisters {
     /// One bit per register: 1 if the register is free. Hardly any program needs more than the first 64 registers.
     bits: [u64; REGISTERS_MAX / 64],
-    /// Number of registers up to the highest one that was taken.
+    /// The largest number of a register that was taken so far, plus 1.
     highest: usize,
 }
 

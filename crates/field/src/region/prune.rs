@@ -247,8 +247,8 @@ pub(super) fn of_distance(need: u64, need_object: u64) -> [(usize, u64); 3] {
 /// Decides which steps are needed. Each of `roots` is needed in some cells. `rows` are the bounds of the program's values.
 /// Decisions must hold in all cells of a mask in `together`. It is also compiled for CPUs with wider vectors.
 ///
-/// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. The operand is
-/// never the least one there, so the minimum keeps its bits.
+/// An operand of a minimum is dropped in cells where it is above the upper end of the outermost minimum. There, the
+/// operand is never the least, so the minimum keeps its bits.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 pub(super) fn decide(
     decisions: &mut ChoiceTrace,

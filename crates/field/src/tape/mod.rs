@@ -58,7 +58,7 @@ pub struct Tape {
     pub clauses: Vec<Clause>,
     /// The table that immediates index.
     pub table: Vec<TableEntry>,
-    /// What holds the values of the roots at the end.
+    /// The registers or entries of the table that hold the values of the roots at the end.
     pub outputs: Vec<Operand>,
     /// Number of registers used.
     pub registers: usize,

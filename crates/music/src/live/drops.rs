@@ -82,7 +82,7 @@ pub(super) struct Drops {
     slot_seconds: f64,
     /// Slots, and the fast levels of low frequencies and of all at their ends in decibels. The newest is first.
     slots: [(Slot, [f32; 2]); SLOTS_MAX],
-    /// The number of known slots, up to those of [`SOUNDED`].
+    /// The number of known slots, at most as many as the time of [`SOUNDED`] holds.
     known: usize,
     loudest: f32,
     since: f32,

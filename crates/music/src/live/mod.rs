@@ -78,7 +78,7 @@ struct Sums {
 
 /// Follows live input. Owns no memory.
 pub(crate) struct Live {
-    /// What [`Live::new`] was called with.
+    /// The arguments of [`Live::new`], for a restart.
     setup: (usize, f64, f64),
     rises: Rises,
     bars: LiveBars,
